@@ -1,0 +1,133 @@
+//! Volumes at the edge of what there is: each gives a picture, and the right one.
+
+use crate::simple::{centred, draw, grey, of_samples, parallel, plan, value_shown};
+use glam::{DMat3, DVec3};
+use strahl_conformance::renderers;
+use strahl_scene::plan::{Composite, Shade};
+use strahl_scene::{Method, Scene, resolve};
+use strahl_volume::{Samples, Volume};
+
+const COMPOSITES: [Composite; 5] = [
+    Composite::EmissionAbsorption {
+        stop_at_transmittance: 0.0,
+    },
+    Composite::Mip,
+    Composite::MinIp,
+    Composite::Average,
+    Composite::FirstHit { threshold: 0.0 },
+];
+
+fn f64s(dims: [usize; 3], values: Vec<f64>) -> Volume {
+    of_samples(centred(dims, DMat3::IDENTITY), Samples::F64(values))
+}
+
+#[test]
+fn scenes_of_every_method_resolve_and_draw_finite_pixels() {
+    let volumes = [
+        of_samples(centred([1; 3], DMat3::IDENTITY), Samples::U8(vec![200])),
+        of_samples(
+            centred([1, 9, 1], DMat3::from_rotation_x(0.5)),
+            Samples::I16((0..9).map(|i| i * 100 - 400).collect()),
+        ),
+        of_samples(
+            centred([2, 2, 1], DMat3::IDENTITY),
+            Samples::U32(vec![0, 1, u32::MAX - 1, u32::MAX]),
+        ),
+        f64s([2, 2, 2], vec![f64::NAN; 8]),
+        f64s(
+            [3, 1, 3],
+            vec![
+                1.0,
+                f64::NAN,
+                2.0,
+                f64::INFINITY,
+                3.0,
+                f64::NEG_INFINITY,
+                1.0,
+                2.0,
+                0.5,
+            ],
+        ),
+        f64s([2, 1, 1], vec![-1e30, 1e30]),
+    ];
+    let methods = [
+        Method::EmissionAbsorption,
+        Method::Mip,
+        Method::Minip,
+        Method::Average,
+        Method::FirstHit,
+    ];
+    for (i, volume) in volumes.iter().enumerate() {
+        for method in methods {
+            let scene = Scene {
+                method: Some(method),
+                size: Some([7, 5]),
+                ..Scene::default()
+            };
+            let plan = resolve(&scene, &volume.header(), None)
+                .unwrap_or_else(|problems| panic!("volume {i}, {method:?}: {problems}"));
+            for (name, x, y, pixel) in draw(volume, &plan) {
+                assert!(
+                    pixel.iter().all(|c| c.is_finite()) && (0.0..=1.0).contains(&pixel[3]),
+                    "{name}, volume {i}, {method:?}, column {x}, row {y}: {pixel:?}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn what_is_not_finite_is_not_there() {
+    for missing in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300] {
+        let volume = f64s([3; 3], vec![missing; 27]);
+        for composite in COMPOSITES {
+            let mut plan = plan(&volume, parallel(DVec3::Y, 9.0, 1.0), grey(-1.0, 1.0));
+            plan.composite = composite;
+            plan.background = [0.25, 0.5, 0.75, 1.0];
+            for (name, _, _, pixel) in draw(&volume, &plan) {
+                assert_eq!(pixel, plan.background, "{name}, {missing}, {composite:?}");
+            }
+        }
+        // One such voxel takes the eight cells around it with it, and nothing else.
+        let mut values = vec![0.5; 5 * 5 * 5];
+        values[0] = missing;
+        let volume = f64s([5; 3], values);
+        for composite in COMPOSITES {
+            let mut plan = plan(&volume, parallel(DVec3::Y, 9.0, 0.9), grey(-1.0, 1.0));
+            plan.composite = composite;
+            for (name, _, _, pixel) in draw(&volume, &plan) {
+                let found = value_shown(pixel, -1.0, 1.0);
+                assert!((found - 0.5).abs() < 1e-6, "{name}, {composite:?}: {found}");
+            }
+        }
+    }
+}
+
+#[test]
+fn large_whole_numbers_keep_what_single_precision_holds() {
+    let largest = f64::from(u32::MAX);
+    let volume = of_samples(
+        centred([2; 3], DMat3::IDENTITY),
+        Samples::U32(vec![u32::MAX; 8]),
+    );
+    let mut plan = plan(&volume, parallel(DVec3::Y, 9.0, 0.5), grey(0.0, largest));
+    plan.composite = Composite::Mip;
+    for (name, _, _, pixel) in draw(&volume, &plan) {
+        assert_eq!(pixel, [1.0; 4], "{name}");
+    }
+}
+
+#[test]
+fn a_flat_volume_is_lit_as_if_unlit() {
+    let volume = of_samples(centred([4; 3], DMat3::IDENTITY), Samples::U8(vec![9; 64]));
+    let mut flat = plan(&volume, parallel(DVec3::Y, 9.0, 1.0), grey(0.0, 18.0));
+    let unlit = draw(&volume, &flat);
+    flat.shade = Shade::BlinnPhong {
+        ambient: 0.1,
+        diffuse: 0.5,
+        specular: 0.9,
+        shininess: 3.0,
+    };
+    assert_eq!(unlit, draw(&volume, &flat));
+    assert_eq!(unlit.len(), renderers().len() * 48);
+}

@@ -1,0 +1,12 @@
+//! Whether renderers keep docs/plan.md: against the truth, closed forms, and themselves.
+
+mod agree;
+mod extreme_volumes;
+mod goldens;
+mod metamorphic;
+mod orientation;
+mod random;
+mod same_bytes;
+mod simple;
+mod transmittance;
+mod values;

@@ -1,0 +1,307 @@
+//! Values, gradients, projections and hits of fields that are known everywhere.
+
+use crate::simple::{self, centred, draw, grey, grids, one_sample_at, parallel, plan, value_shown};
+use glam::{DMat3, DVec3};
+use strahl_conformance::{closed_form, truth};
+use strahl_scene::plan::{ClipBox, Composite, Plan, PlanLight, Reconstruct, Shade};
+use strahl_scene::transfer::TransferTable;
+use strahl_volume::phantom::Phantom;
+use strahl_volume::{Samples, Volume};
+
+/// Where the one sample of a pixel lies after [`one_sample_at`].
+fn place(plan: &Plan, x: u32, y: u32, distance_mm: f64) -> DVec3 {
+    let (origin, direction) = truth::ray(plan, x, y);
+    let depth = distance_mm - origin.dot(plan.camera.forward);
+    origin + direction * (depth / direction.dot(plan.camera.forward))
+}
+
+/// The largest error of a single sample's value against `exact`.
+fn worst_value(
+    volume: &Volume,
+    mut plan: Plan,
+    lo: f64,
+    hi: f64,
+    exact: impl Fn(DVec3) -> f64,
+) -> f64 {
+    plan.classify = grey(lo, hi);
+    plan.composite = Composite::Average;
+    one_sample_at(&mut plan, 0.3);
+    let mut worst: f64 = 0.0;
+    for (_, x, y, pixel) in draw(volume, &plan) {
+        assert_eq!(pixel[3], 1.0, "column {x}, row {y} has no sample");
+        let error = value_shown(pixel, lo, hi) - exact(place(&plan, x, y, 0.3));
+        worst = worst.max(error.abs());
+    }
+    worst
+}
+
+/// The normals of single samples: white diffuse light from the six sides of the world, in two pictures.
+/// The largest distance to ± the direction of `gradient`.
+fn worst_normal(
+    volume: &Volume,
+    mut plan: Plan,
+    at: impl Fn(&Plan, u32, u32) -> DVec3,
+    gradient: impl Fn(DVec3) -> DVec3,
+) -> f64 {
+    plan.shade = Shade::BlinnPhong {
+        ambient: 0.0,
+        diffuse: 1.0,
+        specular: 0.0,
+        shininess: 1.0,
+    };
+    let lights = |sign: f64| {
+        let light = |axis: usize| {
+            let mut radiance = [0.0; 3];
+            radiance[axis] = 1.0;
+            PlanLight::Directional {
+                to_light: sign * DVec3::AXES[axis],
+                radiance,
+            }
+        };
+        (0..3).map(light).collect()
+    };
+    plan.lights = lights(1.0);
+    let positive = draw(volume, &plan);
+    plan.lights = lights(-1.0);
+    let negative = draw(volume, &plan);
+    let mut worst: f64 = 0.0;
+    for ((_, x, y, p), (.., n)) in positive.into_iter().zip(negative) {
+        assert_eq!(p[3], 1.0, "column {x}, row {y} shows nothing");
+        let normal = DVec3::from_array([0, 1, 2].map(|c| f64::from(p[c]) - f64::from(n[c])));
+        let (_, direction) = truth::ray(&plan, x, y);
+        let expected = gradient(at(&plan, x, y)).normalize();
+        // Turned towards the eye.
+        let expected = expected * -expected.dot(direction).signum();
+        worst = worst.max(normal.distance(expected));
+    }
+    worst
+}
+
+fn opaque_white() -> TransferTable {
+    simple::white(1.0, 1.0)
+}
+
+#[test]
+fn values_and_gradients_of_a_ramp_are_exact_on_every_grid() {
+    let gradient = DVec3::new(1.0, 2.0, 4.0);
+    for grid in grids() {
+        let ramp = simple::volume(grid, |p| 100.0 + gradient.dot(p));
+        let view = parallel(DVec3::new(0.6, -0.5, 0.4), 50.0, 0.8);
+        let plan = plan(&ramp, view, opaque_white());
+        let worst = worst_value(&ramp, plan.clone(), 80.0, 120.0, |p| {
+            100.0 + gradient.dot(p)
+        });
+        assert!(worst < 5e-5, "{worst}");
+        let mut lit = plan;
+        one_sample_at(&mut lit, 0.3);
+        let worst = worst_normal(&ramp, lit, |_, _, _| DVec3::ZERO, |_| gradient);
+        assert!(worst < 2e-5, "{worst}");
+    }
+}
+
+#[test]
+fn values_and_gradients_of_marschner_lobb_converge_with_order_two() {
+    // Trilinear interpolation and central differences both miss by the square of the spacing.
+    let mut errors = Vec::new();
+    for voxels_per_mm in [2.0, 4.0, 8.0] {
+        let edge = (8.0 * voxels_per_mm) as usize + 1;
+        let grid = centred(
+            [edge; 3],
+            DMat3::from_diagonal(DVec3::splat(1.0 / voxels_per_mm)),
+        );
+        let ml = simple::volume(grid, |p| Phantom::MarschnerLobb.value(p));
+        let view = parallel(DVec3::new(0.6, -0.5, 0.4), 50.0, 1.5);
+        let mut plan = plan(&ml, view, opaque_white());
+        (plan.width, plan.height) = (24, 18);
+        let value = worst_value(&ml, plan.clone(), 0.0, 1.0, |p| {
+            Phantom::MarschnerLobb.value(p)
+        });
+        one_sample_at(&mut plan, 0.3);
+        let at = |plan: &Plan, x, y| place(plan, x, y, 0.3);
+        let normal = worst_normal(&ml, plan, at, |p| Phantom::MarschnerLobb.gradient(p));
+        errors.push([value, normal]);
+    }
+    for pair in errors.windows(2) {
+        for (coarse, fine) in pair[0].iter().zip(pair[1]) {
+            let order = (coarse / fine).log2();
+            assert!((1.6..2.4).contains(&order), "order {order}: {errors:?}");
+        }
+    }
+}
+
+#[test]
+fn nearest_takes_the_voxel_whose_centre_is_nearest() {
+    let grid = centred([6, 5, 4], DMat3::from_rotation_z(0.3));
+    let ramp = simple::volume(grid, |p| p.x + 7.0 * p.y);
+    let view = parallel(DVec3::new(0.1, -0.9, 0.2), 50.0, 1.4);
+    let mut plan = plan(&ramp, view, opaque_white());
+    plan.reconstruct = Reconstruct::Nearest;
+    let worst = worst_value(&ramp, plan, -40.0, 40.0, |p| {
+        let voxel = grid.voxel_from_world().transform_point3(p).round();
+        let centre = grid.world_from_voxel().transform_point3(voxel);
+        centre.x + 7.0 * centre.y
+    });
+    assert!(worst < 5e-5, "{worst}");
+}
+
+#[test]
+fn projections_of_analytic_fields_are_what_they_must_be() {
+    // Linear along the view: the extremes lie at the outermost samples, the mean in the middle.
+    let grid = centred([16; 3], DMat3::IDENTITY);
+    let linear = simple::volume(grid, |p| 3.0 * p.y + p.x);
+    let view = parallel(DVec3::Y, 30.0, 5.0);
+    for (composite, y_mm) in [
+        (Composite::Mip, 7.5),
+        (Composite::MinIp, -7.5),
+        (Composite::Average, 0.0),
+    ] {
+        let mut plan = plan(&linear, view, grey(-40.0, 40.0));
+        plan.composite = composite;
+        // A sample in each half voxel beyond the outermost centres, where the value stays the same.
+        plan.lattice.step_mm = 0.5;
+        for (name, x, y, pixel) in draw(&linear, &plan) {
+            let across = truth::ray(&plan, x, y).0.x;
+            let (found, expected) = (value_shown(pixel, -40.0, 40.0), 3.0 * y_mm + across);
+            assert!(
+                (found - expected).abs() < 1e-4,
+                "{name}: {found}, {expected}"
+            );
+        }
+    }
+    // The distance from a point: its minimum along a ray is the ray's own distance. Trilinear errors are
+    // below 1/(4r), the sampling error below (step/2)²/2r.
+    let grid = centred([40; 3], DMat3::IDENTITY);
+    let distance = simple::volume(grid, DVec3::length);
+    let mut plan = plan(
+        &distance,
+        parallel(DVec3::new(0.4, 0.8, -0.3), 60.0, 9.0),
+        grey(0.0, 40.0),
+    );
+    plan.composite = Composite::MinIp;
+    for (name, x, y, pixel) in draw(&distance, &plan) {
+        let (origin, direction) = truth::ray(&plan, x, y);
+        let expected = (origin - origin.dot(direction) * direction).length();
+        let found = value_shown(pixel, 0.0, 40.0);
+        let allowed = 0.35 / expected.max(0.35);
+        assert!(
+            (found - expected).abs() < allowed,
+            "{name}: {found}, {expected}"
+        );
+    }
+    // The mean of the square over ±10 mm is 100/3, and 1/6 more by trilinear interpolation.
+    let grid = centred([24; 3], DMat3::IDENTITY);
+    let square = simple::volume(grid, |p| p.y * p.y);
+    let mut plan = simple::plan(&square, parallel(DVec3::Y, 60.0, 9.0), grey(0.0, 100.0));
+    plan.composite = Composite::Average;
+    plan.lattice.step_mm = 1.0 / 16.0;
+    let box_of = centred([1; 3], DMat3::from_diagonal(DVec3::new(60.0, 19.0, 60.0)));
+    plan.sample_clips = vec![ClipBox {
+        unit_from_world: box_of.voxel_from_world(),
+        keep_inside: true,
+    }];
+    for (name, _, _, pixel) in draw(&square, &plan) {
+        let expected = 9.5f64 * 9.5 / 3.0 + 1.0 / 6.0;
+        let found = value_shown(pixel, 0.0, 100.0);
+        assert!(
+            (found - expected).abs() < 2e-3,
+            "{name}: {found}, {expected}"
+        );
+    }
+}
+
+/// The hits of a sphere of 14 mm about the origin, at steps of 3 mm.
+fn sphere_hits(camera: strahl_scene::plan::PlanCamera) -> (Volume, Plan) {
+    let grid = centred([80; 3], DMat3::from_diagonal(DVec3::splat(0.5)));
+    let depth = simple::volume(grid, |p| 14.0 - p.length());
+    let mut plan = plan(&depth, camera, opaque_white());
+    plan.composite = Composite::FirstHit { threshold: 0.0 };
+    plan.lattice.step_mm = 3.0;
+    (depth, plan)
+}
+
+#[test]
+fn the_first_hit_lies_on_the_isosurface_whatever_the_step() {
+    for camera in [
+        parallel(DVec3::new(0.3, -0.8, 0.2), 60.0, 8.0),
+        simple::from_eye(parallel(DVec3::Z, 60.0, 1.0), 0.13),
+    ] {
+        let (depth, plan) = sphere_hits(camera);
+        let hit = |plan: &Plan, x, y| {
+            let (origin, direction) = truth::ray(plan, x, y);
+            let [enter, _] = closed_form::sphere(origin, direction, DVec3::ZERO, 14.0).unwrap();
+            origin + enter * direction
+        };
+        // The normal of a sphere is its place: an error of the depth shows in it, as depth·sin/14.
+        let worst = worst_normal(&depth, plan.clone(), hit, |p| -p);
+        assert!(worst < 2e-3, "{worst}");
+        // Without refinement it would be found up to 3 mm behind.
+        let behind = |plan: &Plan, x, y| hit(plan, x, y) + 0.5 * truth::ray(plan, x, y).1;
+        assert!(worst_normal(&depth, plan, behind, |p| -p) > 1e-2);
+    }
+}
+
+#[test]
+fn a_ray_that_starts_inside_hits_where_it_starts() {
+    let (depth, mut plan) = sphere_hits(parallel(DVec3::Y, 0.0, 1.0));
+    plan.camera = simple::from_eye(parallel(DVec3::Y, 5.0, 1.0), 0.4);
+    plan.classify = grey(0.0, 14.0);
+    for (name, _, _, pixel) in draw(&depth, &plan) {
+        let found = value_shown(pixel, 0.0, 14.0);
+        assert!((found - 9.0).abs() < 0.02, "{name}: {found}");
+    }
+}
+
+#[test]
+fn a_hit_on_the_face_of_a_box_shows_the_value_there() {
+    let (depth, mut plan) = sphere_hits(parallel(DVec3::Y, 40.0, 5.0));
+    plan.classify = grey(0.0, 14.0);
+    let half = centred([1; 3], DMat3::from_diagonal(DVec3::new(100.0, 4.0, 100.0)));
+    plan.sample_clips = vec![ClipBox {
+        unit_from_world: half.voxel_from_world(),
+        keep_inside: true,
+    }];
+    for (name, x, y, pixel) in draw(&depth, &plan) {
+        let (origin, _) = truth::ray(&plan, x, y);
+        let expected = 14.0 - DVec3::new(origin.x, -2.0, origin.z).length();
+        let found = value_shown(pixel, 0.0, 14.0);
+        assert!(
+            (found - expected).abs() < 0.05,
+            "{name}: {found}, {expected}"
+        );
+    }
+}
+
+#[test]
+fn a_stored_number_equal_to_the_threshold_is_hit() {
+    let grid = centred([3; 3], DMat3::IDENTITY);
+    for stored in [7u8, 8, 9] {
+        let volume = simple::of_samples(grid, Samples::U8(vec![stored; 27]));
+        let mut plan = plan(&volume, parallel(DVec3::Y, 9.0, 1.0), opaque_white());
+        plan.composite = Composite::FirstHit { threshold: 8.0 };
+        for (name, _, _, pixel) in draw(&volume, &plan) {
+            let expected = f32::from(u8::from(stored >= 8));
+            assert_eq!(pixel[3], expected, "{name}, {stored}");
+        }
+    }
+}
+
+#[test]
+fn peaks_one_stored_number_wide_are_seen() {
+    // 12-bit data, one number of which is opaque: a voxel of it shows, its neighbours do not.
+    let mut entries = vec![[0.0; 4]; 4096];
+    entries[1234] = [1.0, 0.5, 0.25, 1.0];
+    let table = TransferTable::new([0.0, 4095.0], 1.0, entries);
+    let grid = centred([3, 1, 1], DMat3::IDENTITY);
+    let volume = simple::of_samples(grid, Samples::U16(vec![1233, 1234, 1235]));
+    let mut plan = plan(&volume, parallel(DVec3::Y, 9.0, 0.5), table);
+    (plan.width, plan.height) = (3, 1);
+    plan.reconstruct = Reconstruct::Nearest;
+    for (name, x, _, pixel) in draw(&volume, &plan) {
+        let expected = if x == 1 {
+            [1.0, 0.5, 0.25, 1.0]
+        } else {
+            [0.0; 4]
+        };
+        assert_eq!(pixel, expected, "{name}, column {x}");
+    }
+}

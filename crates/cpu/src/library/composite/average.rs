@@ -1,0 +1,29 @@
+//! The mean along the ray: what an X-ray film would show of a linear detector.
+
+use super::State;
+use crate::lanes::{F32s, Mask};
+use crate::library::classify::Table;
+
+/// The state of a ray without samples.
+pub const START: f32 = 0.0;
+
+/// Adds up, with W. Kahan's compensation, as thousands of samples of the same size would each lose
+/// their last bits.
+#[inline(always)]
+pub fn add(state: &mut State, sampled: Mask, value: F32s) {
+    let term = value - state.lost;
+    let sum = state.value + term;
+    let lost = (sum - state.value) - term;
+    // An infinite sum stays infinite instead of becoming NaN.
+    let finite = lost.is_finite();
+    state.value = sampled.select(sum, state.value);
+    state.lost = (sampled & finite).select(lost, state.lost);
+    state.number = sampled.select(state.number + F32s::splat(1.0), state.number);
+}
+
+/// Classifies the mean.
+#[inline(always)]
+pub fn finish(state: State, table: &Table) -> State {
+    let mean = state.value.over(state.number.max(F32s::splat(1.0)));
+    state.finish_value(table, mean)
+}

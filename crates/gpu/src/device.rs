@@ -1,0 +1,166 @@
+//! Adapters and the device that draws.
+
+use crate::error::Error;
+use std::fmt;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// An adapter of this machine.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Adapter {
+    /// Its name.
+    pub name: String,
+    /// The interface that it is reached through, such as `vulkan`.
+    pub backend: String,
+    /// The driver.
+    pub driver: String,
+    /// Whether it is a program on the processor.
+    pub is_software: bool,
+}
+
+impl fmt::Display for Adapter {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} ({}", self.name, self.backend)?;
+        if !self.driver.is_empty() {
+            write!(f, ", {}", self.driver)?;
+        }
+        f.write_str(if self.is_software { ", software)" } else { ")" })
+    }
+}
+
+impl Adapter {
+    fn of(adapter: &wgpu::Adapter) -> Adapter {
+        let info = adapter.get_info();
+        Adapter {
+            name: info.name,
+            backend: info.backend.to_string(),
+            driver: info.driver_info,
+            is_software: info.device_type == wgpu::DeviceType::Cpu,
+        }
+    }
+}
+
+/// All adapters, the ones made of silicon first.
+pub fn adapters() -> Vec<Adapter> {
+    found().iter().map(Adapter::of).collect()
+}
+
+fn found() -> Vec<wgpu::Adapter> {
+    let mut description = wgpu::InstanceDescriptor::new_without_display_handle();
+    description.backends = wgpu::Backends::PRIMARY | wgpu::Backends::SECONDARY;
+    let instance = wgpu::Instance::new(description);
+    let mut found = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()));
+    found.sort_by_key(|adapter| {
+        let info = adapter.get_info();
+        let kind = match info.device_type {
+            wgpu::DeviceType::DiscreteGpu => 0,
+            wgpu::DeviceType::IntegratedGpu => 1,
+            wgpu::DeviceType::VirtualGpu | wgpu::DeviceType::Other => 2,
+            wgpu::DeviceType::Cpu => 3,
+        };
+        (kind, info.backend == wgpu::Backend::Gl)
+    });
+    found
+}
+
+/// An open adapter.
+#[derive(Debug)]
+pub struct Device {
+    pub(crate) device: wgpu::Device,
+    pub(crate) queue: wgpu::Queue,
+    adapter: Adapter,
+    trouble: Arc<Mutex<Option<Trouble>>>,
+}
+
+#[derive(Clone, Debug)]
+enum Trouble {
+    Lost(String),
+    Refused(String),
+}
+
+impl Device {
+    /// Opens the best adapter, or the best one that has `name` in its name (in any case).
+    ///
+    /// # Errors
+    /// There is none, or it cannot be used.
+    pub fn open(name: Option<&str>) -> Result<Device, Error> {
+        let all = found();
+        if all.is_empty() {
+            return Err(Error::NoAdapter);
+        }
+        let wanted = name.unwrap_or_default().to_lowercase();
+        let chosen = all
+            .iter()
+            .find(|a| a.get_info().name.to_lowercase().contains(&wanted))
+            .ok_or_else(|| Error::NoSuchAdapter {
+                name: name.unwrap_or_default().to_owned(),
+                known: all
+                    .iter()
+                    .map(|a| Adapter::of(a).to_string())
+                    .collect::<Vec<_>>()
+                    .join("; "),
+            })?;
+        let adapter = Adapter::of(chosen);
+        let useful = wgpu::Features::TEXTURE_FORMAT_16BIT_NORM | wgpu::Features::FLOAT32_FILTERABLE;
+        let description = wgpu::DeviceDescriptor {
+            label: Some("strahl"),
+            required_features: chosen.features() & useful,
+            // The presets allow far smaller volumes than drivers do.
+            required_limits: chosen.limits(),
+            ..Default::default()
+        };
+        let (device, queue) =
+            pollster::block_on(chosen.request_device(&description)).map_err(|why| {
+                Error::Device {
+                    adapter: adapter.to_string(),
+                    why: why.to_string(),
+                }
+            })?;
+        let trouble = Arc::new(Mutex::new(None));
+        let seen = trouble.clone();
+        device.set_device_lost_callback(move |reason, message| {
+            // Dropping the device is no loss.
+            if reason != wgpu::DeviceLostReason::Destroyed {
+                *seen.lock().unwrap_or_else(PoisonError::into_inner) = Some(Trouble::Lost(message));
+            }
+        });
+        let seen = trouble.clone();
+        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
+            seen.lock()
+                .unwrap_or_else(PoisonError::into_inner)
+                .get_or_insert(Trouble::Refused(error.to_string()));
+        }));
+        Ok(Device {
+            device,
+            queue,
+            adapter,
+            trouble,
+        })
+    }
+
+    /// The adapter.
+    pub fn adapter(&self) -> &Adapter {
+        &self.adapter
+    }
+
+    /// What went wrong since the last call, if anything.
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        let mut trouble = self.trouble.lock().unwrap_or_else(PoisonError::into_inner);
+        match &*trouble {
+            None => Ok(()),
+            Some(Trouble::Lost(why)) => Err(Error::Lost(why.clone())),
+            Some(Trouble::Refused(why)) => {
+                let why = why.clone();
+                *trouble = None;
+                Err(Error::Driver(why))
+            }
+        }
+    }
+
+    /// Waits until everything that was handed in is done.
+    pub(crate) fn wait(&self) -> Result<(), Error> {
+        let done = self.device.poll(wgpu::PollType::wait_indefinitely());
+        self.check()?;
+        done.map(|_| ())
+            .map_err(|why| Error::Driver(why.to_string()))
+    }
+}

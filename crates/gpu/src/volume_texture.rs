@@ -1,0 +1,210 @@
+//! A volume as a 3-D texture: the best format that the adapter can filter, filled in slabs.
+
+use crate::device::Device;
+use crate::error::Error;
+use strahl_shader::Texels;
+use strahl_volume::{SampleType, Samples, Volume};
+use wgpu::TextureFormat;
+
+/// A volume on the device.
+#[derive(Debug)]
+pub struct VolumeTexture {
+    pub view: wgpu::TextureView,
+    pub storage: Storage,
+}
+
+/// How samples lie in a texture. A stored number is `scale · texel + shift`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Storage {
+    pub format: TextureFormat,
+    pub texels: Texels,
+    /// Whether the texture unit interpolates.
+    pub is_filterable: bool,
+    pub scale: f32,
+    pub shift: f32,
+}
+
+/// At most this much is copied at once: each write is staged in memory first.
+const SLAB_BYTES: usize = 32 << 20;
+
+impl Storage {
+    /// The format for samples of this type on this device.
+    pub fn of(sample_type: SampleType, device: &Device) -> Storage {
+        let features = device.device.features();
+        let norm16 = features.contains(wgpu::Features::TEXTURE_FORMAT_16BIT_NORM);
+        let float32 = features.contains(wgpu::Features::FLOAT32_FILTERABLE);
+        let storage = |format, texels, is_filterable, scale, shift| Storage {
+            format,
+            texels,
+            is_filterable,
+            scale,
+            shift,
+        };
+        match sample_type {
+            // Software adapters interpolate 8-bit texels in 8 bits; 16-bit float holds them exactly.
+            SampleType::U8 if !device.adapter().is_software => {
+                storage(TextureFormat::R8Unorm, Texels::Float, true, 255.0, 0.0)
+            }
+            SampleType::U8 | SampleType::I8 => {
+                storage(TextureFormat::R16Float, Texels::Float, true, 1.0, 0.0)
+            }
+            SampleType::U16 if norm16 => {
+                storage(TextureFormat::R16Unorm, Texels::Float, true, 65_535.0, 0.0)
+            }
+            // Moved by half the range: signed fractions have two forms of −1.
+            SampleType::I16 if norm16 => storage(
+                TextureFormat::R16Unorm,
+                Texels::Float,
+                true,
+                65_535.0,
+                -32_768.0,
+            ),
+            SampleType::U16 => storage(TextureFormat::R16Uint, Texels::Unsigned, false, 1.0, 0.0),
+            SampleType::I16 => storage(TextureFormat::R16Sint, Texels::Signed, false, 1.0, 0.0),
+            SampleType::U32 | SampleType::I32 | SampleType::F32 | SampleType::F64 => {
+                storage(TextureFormat::R32Float, Texels::Float, float32, 1.0, 0.0)
+            }
+        }
+    }
+}
+
+impl VolumeTexture {
+    /// Copies the samples to the device.
+    pub fn new(device: &Device, volume: &Volume) -> Result<VolumeTexture, Error> {
+        let dims = volume.grid().dims();
+        let storage = Storage::of(volume.samples().sample_type(), device);
+        let limits = device.device.limits();
+        let most = limits.max_texture_dimension_3d;
+        let texel_bytes = storage.format.block_copy_size(None).unwrap_or(4) as usize;
+        let [x, y, z] = dims.map(|n| u32::try_from(n).unwrap_or(u32::MAX));
+        if [x, y, z].iter().any(|n| *n > most) {
+            return Err(Error::TooLarge {
+                dims,
+                most,
+                most_bytes: u64::from(most).pow(3) * texel_bytes as u64,
+            });
+        }
+        let texture = device.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("volume"),
+            size: wgpu::Extent3d {
+                width: x,
+                height: y,
+                depth_or_array_layers: z,
+            },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D3,
+            format: storage.format,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+            view_formats: &[],
+        });
+        device.check()?;
+        let slice = dims[0] * dims[1];
+        // A slice of 16384² voxels is larger than a slab should be, so slabs are made of rows.
+        let rows_at_once = (SLAB_BYTES / (dims[0] * texel_bytes)).clamp(1, dims[1]);
+        let slices_at_once = (SLAB_BYTES / (slice * texel_bytes)).max(1);
+        let mut bytes = Vec::new();
+        let mut first_slice = 0;
+        while first_slice < dims[2] {
+            let slices = slices_at_once.min(dims[2] - first_slice);
+            for first_row in (0..dims[1]).step_by(rows_at_once) {
+                let rows = rows_at_once.min(dims[1] - first_row);
+                let start = first_slice * slice + first_row * dims[0];
+                let len = if rows == dims[1] {
+                    slices * slice
+                } else {
+                    rows * dims[0]
+                };
+                bytes.clear();
+                encode(volume.samples(), start, len, storage.format, &mut bytes);
+                device.queue.write_texture(
+                    wgpu::TexelCopyTextureInfo {
+                        texture: &texture,
+                        mip_level: 0,
+                        origin: wgpu::Origin3d {
+                            x: 0,
+                            y: first_row as u32,
+                            z: first_slice as u32,
+                        },
+                        aspect: wgpu::TextureAspect::All,
+                    },
+                    &bytes,
+                    wgpu::TexelCopyBufferLayout {
+                        offset: 0,
+                        bytes_per_row: Some((dims[0] * texel_bytes) as u32),
+                        rows_per_image: Some(rows as u32),
+                    },
+                    wgpu::Extent3d {
+                        width: x,
+                        height: rows as u32,
+                        depth_or_array_layers: slices as u32,
+                    },
+                );
+                device.queue.submit([]);
+                device.wait()?;
+            }
+            first_slice += slices;
+        }
+        Ok(VolumeTexture {
+            view: texture.create_view(&wgpu::TextureViewDescriptor::default()),
+            storage,
+        })
+    }
+}
+
+/// The bytes of texels `start..start + len`, little-endian.
+fn encode(samples: &Samples, start: usize, len: usize, format: TextureFormat, into: &mut Vec<u8>) {
+    let range = start..start + len;
+    match samples {
+        Samples::U8(s) if format == TextureFormat::R8Unorm => into.extend_from_slice(&s[range]),
+        Samples::U8(s) => halves(s[range].iter().map(|&v| f32::from(v)), into),
+        Samples::I8(s) => halves(s[range].iter().map(|&v| f32::from(v)), into),
+        Samples::U16(s) => into.extend_from_slice(bytemuck::cast_slice(&s[range])),
+        Samples::I16(s) if format == TextureFormat::R16Unorm => {
+            let moved = s[range].iter().map(|&v| (v as u16) ^ 0x8000);
+            into.extend(moved.flat_map(u16::to_le_bytes));
+        }
+        Samples::I16(s) => into.extend_from_slice(bytemuck::cast_slice(&s[range])),
+        Samples::U32(s) => floats(s[range].iter().map(|&v| v as f32), into),
+        Samples::I32(s) => floats(s[range].iter().map(|&v| v as f32), into),
+        Samples::F32(s) => floats(s[range].iter().copied(), into),
+        Samples::F64(s) => floats(s[range].iter().map(|&v| v as f32), into),
+    }
+}
+
+fn floats(values: impl Iterator<Item = f32>, into: &mut Vec<u8>) {
+    into.extend(values.flat_map(f32::to_le_bytes));
+}
+
+/// Whole numbers below 2048 are exact as 16-bit float; these are below 256.
+fn halves(values: impl Iterator<Item = f32>, into: &mut Vec<u8>) {
+    into.extend(values.flat_map(|v| half(v).to_le_bytes()));
+}
+
+/// A whole number of −2048 to 2048 as 16-bit float.
+fn half(value: f32) -> u16 {
+    let bits = value.to_bits();
+    let sign = ((bits >> 16) & 0x8000) as u16;
+    if value == 0.0 {
+        return sign;
+    }
+    let exponent = ((bits >> 23) & 0xFF) as i32 - 127 + 15;
+    sign | ((exponent as u16) << 10) | ((bits >> 13) & 0x3FF) as u16
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn small_whole_numbers_are_exact_as_half_floats() {
+        let value = |bits: u16| {
+            let sign = if bits & 0x8000 == 0 { 1.0 } else { -1.0 };
+            match (bits >> 10) & 31 {
+                0 => 0.0,
+                e => sign * (1.0 + f64::from(bits & 1023) / 1024.0) * 2f64.powi(i32::from(e) - 15),
+            }
+        };
+        for n in -256..=256 {
+            assert_eq!(value(super::half(n as f32)), f64::from(n));
+        }
+    }
+}

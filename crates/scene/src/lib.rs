@@ -1,0 +1,49 @@
+//! What is to be drawn: a [`Scene`] as people write it, [`resolve`]d against the header of a volume
+//! into a [`plan::Plan`] without any option left, and the [`Image`] that renderers make of it.
+//!
+//! ```
+//! use strahl_scene::{Method, Scene, resolve};
+//! use strahl_volume::{Grid, Metadata, Rescale, Samples, Volume};
+//!
+//! let grid = Grid::centred([2, 2, 2], glam::DVec3::ONE)?;
+//! let volume = Volume::new(grid, Samples::U8(vec![0; 8]), Rescale::IDENTITY, Metadata::default())?;
+//! let scene = Scene { method: Some(Method::Mip), size: Some([64, 48]), ..Scene::default() };
+//! let plan = resolve(&scene, &volume.header(), None)?;
+//! assert_eq!((plan.width, plan.height), (64, 48));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+#![warn(missing_docs)]
+
+pub mod plan;
+pub mod transfer;
+
+mod camera;
+mod clip;
+mod color;
+mod color_map;
+mod image;
+mod light;
+mod parse;
+mod preset;
+mod problem;
+mod resolve;
+mod scene;
+mod transfer_function;
+mod window;
+
+pub use camera::{Camera, Projection, View};
+pub use clip::{BoxClip, BoxSpace, Clip, Keep, PlaneClip};
+pub use color::{Background, Color, linear_from_srgb};
+pub use color_map::ColorMap;
+pub use image::Image;
+pub use light::{Light, LightKind, LightSpace};
+pub use parse::{Error, schema};
+pub use preset::{PresetInfo, presets};
+pub use problem::{Problem, Problems};
+pub use resolve::{FORMAT, MAX_SAMPLES_PER_RAY, resolve, settled};
+pub use scene::{
+    Display, Endian, Jitter, LabelSource, Method, Reconstruct, Scene, Shading, ShadingModel,
+    ToneMap, VolumeSource,
+};
+pub use transfer_function::{PointsIn, TransferFunction, TransferPoint};

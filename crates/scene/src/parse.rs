@@ -1,0 +1,266 @@
+//! Text ↔ Scene: JSON with comments and trailing commas.
+
+use crate::Scene;
+use serde_json::error::Category;
+
+/// No scene is longer; a text that is was not meant as one.
+const MAX_BYTES: usize = 16 << 20;
+
+/// Why a text is not a scene.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The text is longer than any scene.
+    #[error("{file}: {bytes} bytes; a scene has at most {MAX_BYTES}")]
+    TooLong {
+        /// Name of the text.
+        file: String,
+        /// Its length.
+        bytes: usize,
+    },
+    /// The text is not JSON, even with comments.
+    #[error("{file}:{line}:{column}: not JSON: {why}")]
+    Syntax {
+        /// Name of the text.
+        file: String,
+        /// Line, from 1.
+        line: usize,
+        /// Column in bytes, from 1.
+        column: usize,
+        /// What the parser met.
+        why: String,
+    },
+    /// A list where an object of keys belongs.
+    #[error("{file}: {path}: a list; write an object of keys, {{ … }}")]
+    List {
+        /// Name of the text.
+        file: String,
+        /// Path of the key; `scene` is the whole text.
+        path: String,
+    },
+    /// A key or value that a scene does not have.
+    #[error("{file}:{line}:{column}: {path}: {why}")]
+    Key {
+        /// Name of the text.
+        file: String,
+        /// Line, from 1.
+        line: usize,
+        /// Column in bytes, from 1.
+        column: usize,
+        /// Path of the key, such as `camera.view_angle_deg`; `scene` is the whole text.
+        path: String,
+        /// What is wrong and what would be right.
+        why: String,
+    },
+}
+
+impl Scene {
+    /// The scene that `text` describes: JSON in which `//`, `/* */` and `#` comments and trailing
+    /// commas are allowed. `name` is what the text is called in messages.
+    ///
+    /// ```
+    /// use strahl_scene::Scene;
+    /// let scene = Scene::parse("head.json", r#"{
+    ///     "volume": { "path": "head.nii.gz" },  // beside this file
+    ///     "preset": "ct-bone",
+    /// }"#)?;
+    /// assert_eq!(scene.preset.as_deref(), Some("ct-bone"));
+    /// # Ok::<(), strahl_scene::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// The first mistake, with its line, column and path.
+    pub fn parse(name: &str, text: &str) -> Result<Scene, Error> {
+        let file = name.to_owned();
+        if text.len() > MAX_BYTES {
+            return Err(Error::TooLong {
+                file,
+                bytes: text.len(),
+            });
+        }
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        let mut plain = text.to_owned();
+        if let Err(error) = json_strip_comments::strip(&mut plain) {
+            let lines = plain.lines().count();
+            return Err(Error::Syntax {
+                file,
+                line: lines.max(1),
+                column: 1,
+                why: error.to_string(),
+            });
+        }
+        let plain = with_lines_of(text, plain);
+        let mut json = serde_json::Deserializer::from_str(&plain);
+        let scene: Scene = serde_path_to_error::deserialize(&mut json).map_err(|error| {
+            let path = error.path().to_string();
+            located(file.clone(), path, error.into_inner())
+        })?;
+        json.end()
+            .map_err(|error| located(file.clone(), ".".to_owned(), error))?;
+        // serde also takes an object's values as a list; nobody could read such a scene.
+        let as_written: serde_json::Value = serde_json::from_str(&plain)
+            .map_err(|error| located(file.clone(), ".".to_owned(), error))?;
+        let as_understood = serde_json::to_value(&scene).unwrap_or_default();
+        match list_for_object(&as_written, &as_understood, "scene") {
+            Some(path) => Err(Error::List { file, path }),
+            None => Ok(scene),
+        }
+    }
+
+    /// The scene as JSON, two spaces per level; [`Scene::parse`] reads the same scene from it if its
+    /// numbers are finite.
+    pub fn to_json(&self) -> String {
+        // A scene holds nothing that JSON cannot say: no maps with keys that are not texts.
+        let mut text = serde_json::to_string_pretty(self).unwrap_or_default();
+        text.push('\n');
+        text
+    }
+}
+
+/// The JSON schema of scenes, as checked in at `docs/scene.schema.json`.
+pub fn schema() -> String {
+    let schema = schemars::schema_for!(Scene);
+    let mut text = serde_json::to_string_pretty(&schema).unwrap_or_default();
+    text.push('\n');
+    text
+}
+
+/// `plain` with the line ends of `text`, byte by byte as long: block comments lose theirs when they
+/// are stripped, and messages would name wrong lines.
+fn with_lines_of(text: &str, plain: String) -> String {
+    debug_assert_eq!(text.len(), plain.len());
+    let mut bytes = plain.into_bytes();
+    for (byte, original) in bytes.iter_mut().zip(text.bytes()) {
+        if *byte == b' ' && original == b'\n' {
+            *byte = b'\n';
+        }
+    }
+    // Spaces became line ends: it is UTF-8 as before.
+    String::from_utf8(bytes).unwrap_or_default()
+}
+
+/// Path of the first list in `text` where `scene` has an object. Points of transfer functions may be
+/// lists.
+fn list_for_object(
+    text: &serde_json::Value,
+    scene: &serde_json::Value,
+    path: &str,
+) -> Option<String> {
+    use serde_json::Value;
+    match (text, scene) {
+        (Value::Array(_), Value::Object(_)) => Some(path.to_owned()),
+        (Value::Array(text), Value::Array(scene)) if path != "transfer_function.points" => text
+            .iter()
+            .zip(scene)
+            .enumerate()
+            .find_map(|(i, (text, scene))| list_for_object(text, scene, &format!("{path}[{i}]"))),
+        (Value::Object(text), Value::Object(scene)) => text.iter().find_map(|(key, text)| {
+            let inner = match path {
+                "scene" => key.clone(),
+                _ => format!("{path}.{key}"),
+            };
+            list_for_object(text, scene.get(key)?, &inner)
+        }),
+        _ => None,
+    }
+}
+
+fn located(file: String, path: String, error: serde_json::Error) -> Error {
+    let (line, column) = (error.line(), error.column());
+    let suffix = format!(" at line {line} column {column}");
+    let text = error.to_string();
+    let column = column.max(1);
+    let why = text.strip_suffix(&suffix).unwrap_or(&text).to_owned();
+    if error.classify() != Category::Data {
+        return Error::Syntax {
+            file,
+            line,
+            column,
+            why,
+        };
+    }
+    let unknown = why.starts_with("unknown field") || why.starts_with("unknown variant");
+    let (path, why) = if unknown {
+        let (path, why) = unknown_name(&path, &why);
+        (path, why)
+    } else {
+        (path, plain_types(&why))
+    };
+    Error::Key {
+        file,
+        line,
+        column,
+        path: if path == "." {
+            "scene".to_owned()
+        } else {
+            path
+        },
+        why,
+    }
+}
+
+/// "unknown field `x`, expected one of `a`, `b`" in our words, with the nearest known name.
+fn unknown_name(path: &str, why: &str) -> (String, String) {
+    let mut names = why.split('`').skip(1).step_by(2);
+    let found = names.next().unwrap_or_default();
+    let known: Vec<&str> = names.collect();
+    let is_key = why.starts_with("unknown field");
+    // The path of an unknown key names the key itself; it belongs into the sentence.
+    let path = match path.strip_suffix(found) {
+        Some(parent) if is_key => match parent.strip_suffix('.') {
+            Some(parent) if !parent.is_empty() => parent.to_owned(),
+            _ => ".".to_owned(),
+        },
+        _ => path.to_owned(),
+    };
+    let what = if is_key { "key" } else { "value" };
+    let mut sentence = format!("unknown {what} {found:?}");
+    if let Some(near) = nearest(found, known.iter().copied()) {
+        sentence.push_str(&format!("; did you mean {near:?}?"));
+    }
+    if !known.is_empty() {
+        let separator = if sentence.ends_with('?') { " " } else { "; " };
+        sentence.push_str(&format!("{separator}known are {}", known.join(", ")));
+    }
+    (path, sentence)
+}
+
+/// The known name that `found` was probably meant to be.
+pub(crate) fn nearest<'a>(found: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    let wanted = found.to_lowercase().replace(['-', ' '], "_");
+    known
+        .map(|name| {
+            let plain = name.replace('-', "_");
+            let alike = strsim::jaro_winkler(&wanted, &plain);
+            (alike, name)
+        })
+        .filter(|(alike, _)| *alike > 0.8)
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, name)| name)
+}
+
+/// serde's names of Rust types in words that a person who writes scenes knows.
+fn plain_types(why: &str) -> String {
+    let mut text = why.to_owned();
+    for (rust, plain) in [
+        ("expected f64", "expected a number"),
+        (
+            "expected u32",
+            "expected a whole number from 0 to 4294967295",
+        ),
+        ("expected u64", "expected a whole number from 0"),
+        ("expected usize", "expected a whole number from 0"),
+        ("expected struct Scene", "expected an object of keys"),
+        ("expected struct", "expected an object for"),
+        ("expected a sequence", "expected a list"),
+        ("expected an array of length", "expected a list of length"),
+        ("invalid type: map", "invalid type: an object"),
+        ("invalid type: sequence", "invalid type: a list"),
+        ("floating point `", "number `"),
+        ("integer `", "number `"),
+        ("missing field", "missing key"),
+    ] {
+        text = text.replace(rust, plain);
+    }
+    text
+}

@@ -1,0 +1,151 @@
+//! Presets: scene fragments that fill in what a scene does not say.
+
+use crate::window::{otsu_threshold, share_above};
+use crate::{Method, Scene, camera};
+use strahl_volume::{Modality, VolumeHeader};
+
+/// Name and purpose of a preset.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PresetInfo {
+    /// The name that scenes and the command line use.
+    pub name: &'static str,
+    /// What it is for.
+    pub description: &'static str,
+    text: &'static str,
+}
+
+macro_rules! preset {
+    ($name:literal, $description:literal) => {
+        PresetInfo {
+            name: $name,
+            description: $description,
+            text: include_str!(concat!("../presets/", $name, ".json")),
+        }
+    };
+}
+
+static PRESETS: [PresetInfo; 11] = [
+    preset!(
+        "ct-bone",
+        "CT: bone and contrast medium, soft tissue left away"
+    ),
+    preset!(
+        "ct-soft-tissue",
+        "CT: skin and muscle, translucent over bone"
+    ),
+    preset!(
+        "ct-angio",
+        "CT with contrast medium: vessels red, bone ivory"
+    ),
+    preset!("ct-lung", "CT: lungs and airways"),
+    preset!("mr", "MR: tissue solid from the noise upwards"),
+    preset!(
+        "vessels",
+        "angiography without bone: bright vessels on nothing"
+    ),
+    preset!(
+        "solid",
+        "any volume: translucent low values around solid high ones"
+    ),
+    preset!(
+        "grey",
+        "any volume: grey, from transparent to opaque over the window"
+    ),
+    preset!("mip", "any volume: largest value of each ray"),
+    preset!(
+        "minip",
+        "any volume: smallest value of each ray, for airways"
+    ),
+    preset!(
+        "x-ray",
+        "any volume: mean value of each ray, as on an X-ray film"
+    ),
+];
+
+/// The built-in presets.
+pub fn presets() -> &'static [PresetInfo] {
+    &PRESETS
+}
+
+impl PresetInfo {
+    /// The preset called `name`.
+    pub fn find(name: &str) -> Option<&'static PresetInfo> {
+        PRESETS.iter().find(|preset| preset.name == name)
+    }
+
+    /// The preset as the text of a scene, with comments, ready to be saved and edited.
+    pub fn text(&self) -> &'static str {
+        self.text
+    }
+
+    /// The preset as a scene that says only what the preset decides.
+    ///
+    /// # Panics
+    /// Never: a test parses every preset.
+    pub fn scene(&self) -> Scene {
+        match Scene::parse(self.name, self.text) {
+            Ok(scene) => scene,
+            Err(error) => unreachable!("built-in preset: {error}"),
+        }
+    }
+
+    /// The preset for a scene that names none: after its method, then after the device that made
+    /// the volume, then after its values.
+    pub fn automatic(method: Option<Method>, header: &VolumeHeader) -> &'static PresetInfo {
+        let name = match method {
+            Some(Method::Mip) => "mip",
+            Some(Method::Minip) => "minip",
+            Some(Method::Average) => "x-ray",
+            Some(Method::EmissionAbsorption | Method::FirstHit) | None => by_volume(header),
+        };
+        PresetInfo::find(name).unwrap_or(&PRESETS[0])
+    }
+}
+
+fn by_volume(header: &VolumeHeader) -> &'static str {
+    let statistics = &header.statistics;
+    match header.metadata.modality {
+        Some(Modality::Ct) => "ct-bone",
+        Some(Modality::Mr) => "mr",
+        Some(Modality::Nuclear | Modality::Ultrasound) => "mr",
+        Some(Modality::Microscopy | Modality::Simulation) => "solid",
+        None if looks_like_hounsfield(header) => "ct-bone",
+        None if camera::is_patient(header) => {
+            // Less than a twentieth of the box is bright: vessels from which the rest was taken.
+            if share_above(statistics, otsu_threshold(statistics)) < 0.05 {
+                "vessels"
+            } else {
+                "mr"
+            }
+        }
+        None => "solid",
+    }
+}
+
+/// Whether the values may be Hounsfield units: they say so, or they reach from air (−1000, with the
+/// fill values that scanners use below it) to bone.
+fn looks_like_hounsfield(header: &VolumeHeader) -> bool {
+    if header.metadata.value_unit.as_deref() == Some("HU") {
+        return true;
+    }
+    let [lo, hi] = header.statistics.range;
+    (-4096.0..=-800.0).contains(&lo) && (200.0..=32_767.0).contains(&hi)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_preset_is_a_scene() {
+        for preset in presets() {
+            let scene = Scene::parse(preset.name, preset.text()).unwrap();
+            assert_eq!(scene, preset.scene());
+            assert!(
+                scene.method.is_some() && scene.transfer_function.is_some(),
+                "{}",
+                preset.name
+            );
+        }
+    }
+}

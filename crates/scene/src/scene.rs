@@ -1,0 +1,351 @@
+//! The Scene: what is to be drawn, as people write it. Every key may be left out.
+
+use crate::parse::nearest;
+use crate::{Background, Camera, Clip, Light, Problem, Problems, TransferFunction};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use strahl_volume::read::{RawLayout, ReadOptions};
+use strahl_volume::{Phantom, SampleType};
+
+/// What is to be drawn. Keys that are left out take the value of the preset, then the default that
+/// `docs/scene.md` names.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Scene {
+    /// Version of the scene format: 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("const" = 1))]
+    pub format: Option<u32>,
+    /// The volume that is drawn.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub volume: Option<VolumeSource>,
+    /// Object ids on the grid of the volume.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub labels: Option<LabelSource>,
+    /// Name of the preset that fills in what is not said; without, it is chosen from the volume.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub preset: Option<String>,
+    /// How the samples of a ray become a pixel.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub method: Option<Method>,
+    /// The value of the surface that method `first-hit` draws.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub threshold: Option<f64>,
+    /// Value → colour and opacity.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub transfer_function: Option<TransferFunction>,
+    /// How light and surface make a colour.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub shading: Option<Shading>,
+    /// The lights; an empty list leaves the ambient share only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lights: Option<Vec<Light>>,
+    /// Where the picture is taken from.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub camera: Option<Camera>,
+    /// Planes and boxes that cut parts away.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub clips: Option<Vec<Clip>>,
+    /// How a value between voxels is found.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reconstruct: Option<Reconstruct>,
+    /// Distance between samples in mm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub step_mm: Option<f64>,
+    /// Distance between samples in smallest voxel spacings; default 0.5.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub step_voxels: Option<f64>,
+    /// Where in its step a sample lies.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub jitter: Option<Jitter>,
+    /// A ray ends when less than this share of light still passes (0 to 1; 0 never); default 1/256.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub early_termination: Option<f64>,
+    /// Behind everything.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub background: Option<Background>,
+    /// Width and height of the picture in pixels, 1 to 65,535 each.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub size: Option<[u32; 2]>,
+    /// How linear light becomes a picture file.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub display: Option<Display>,
+}
+
+/// Where the volume comes from: a `path`, or the name of a `phantom`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct VolumeSource {
+    /// File or folder, relative to the folder of the scene file.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub path: Option<String>,
+    /// Name of a built-in phantom, such as `anatomy`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub phantom: Option<String>,
+    /// Voxels along x, y, z: of a phantom, or of a file without a header.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub dims: Option<[usize; 3]>,
+    /// Time point of a 4-D file, from 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub time: Option<usize>,
+    /// Which DICOM series of a folder: its number in the list from 1, its series number or its UID.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub series: Option<String>,
+    /// Resamples a series with missing or uneven slices instead of refusing it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub allow_gaps: Option<bool>,
+    /// Sample type of a file without a header: `u8` … `f64`.
+    #[serde(rename = "type", skip_serializing_if = "Option::is_none")]
+    pub sample_type: Option<String>,
+    /// Distance between voxel centres along x, y, z for files that do not say.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub spacing_mm: Option<[f64; 3]>,
+    /// Byte order of a file without a header.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub endian: Option<Endian>,
+    /// Bytes before the first sample of a file without a header.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub header_bytes: Option<u64>,
+}
+
+impl VolumeSource {
+    /// What the readers need to know.
+    ///
+    /// # Errors
+    /// Neither or both of `path` and `phantom`; a phantom that is not known; a type or spacing that is not one.
+    pub fn read_options(&self) -> Result<ReadOptions, Problems> {
+        let mut problems = Vec::new();
+        self.check(&mut problems);
+        let sample_type = self.sample_type.as_deref().and_then(SampleType::from_name);
+        Problems::none_of(problems)?;
+        Ok(ReadOptions {
+            time_index: self.time.unwrap_or(0),
+            series: self.series.clone(),
+            allow_gaps: self.allow_gaps.unwrap_or(false),
+            raw: RawLayout {
+                dims: self.dims,
+                sample_type,
+                big_endian: self.endian == Some(Endian::Big),
+                header_bytes: self.header_bytes.unwrap_or(0),
+            },
+            spacing_mm: self.spacing_mm,
+        })
+    }
+
+    pub(crate) fn check(&self, problems: &mut Vec<Problem>) {
+        match (&self.path, &self.phantom) {
+            (Some(path), Some(phantom)) => problems.push(Problem::new(
+                "volume",
+                format!("path {path:?} and phantom {phantom:?}"),
+                "one of the two",
+            )),
+            (None, None) => problems.push(Problem::new(
+                "volume",
+                "without path and phantom",
+                "a \"path\" to a file or folder, or the name of a \"phantom\"",
+            )),
+            (None, Some(name)) => {
+                if Phantom::from_name(name).is_none() {
+                    let known = Phantom::NAMES.join(", ");
+                    let allowed = match nearest(name, Phantom::NAMES.into_iter()) {
+                        Some(near) => format!("{known}; did you mean {near:?}?"),
+                        None => known,
+                    };
+                    problems.push(Problem::new("volume.phantom", format!("{name:?}"), allowed));
+                }
+                let given = [
+                    (self.time.is_some(), "time"),
+                    (self.series.is_some(), "series"),
+                    (self.allow_gaps.is_some(), "allow_gaps"),
+                    (self.sample_type.is_some(), "type"),
+                    (self.spacing_mm.is_some(), "spacing_mm"),
+                    (self.endian.is_some(), "endian"),
+                    (self.header_bytes.is_some(), "header_bytes"),
+                ];
+                for (_, key) in given.into_iter().filter(|(given, _)| *given) {
+                    problems.push(Problem::new(
+                        format!("volume.{key}"),
+                        "given for a phantom",
+                        "\"dims\" only; the other keys describe files",
+                    ));
+                }
+            }
+            (Some(_), None) => {}
+        }
+        if let Some(name) = &self.sample_type
+            && SampleType::from_name(name).is_none()
+        {
+            problems.push(Problem::new(
+                "volume.type",
+                format!("{name:?}"),
+                "u8, i8, u16, i16, u32, i32, f32 or f64",
+            ));
+        }
+        if let Some(spacing) = self.spacing_mm
+            && !spacing.iter().all(|s| s.is_finite() && *s > 0.0)
+        {
+            problems.push(Problem::new(
+                "volume.spacing_mm",
+                format!("{spacing:?}"),
+                "three numbers above 0",
+            ));
+        }
+        if let Some(dims) = self.dims
+            && dims.contains(&0)
+        {
+            problems.push(Problem::new(
+                "volume.dims",
+                format!("{dims:?}"),
+                "three whole numbers above 0",
+            ));
+        }
+    }
+}
+
+/// Byte order of numbers in a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Endian {
+    /// Least significant byte first.
+    Little,
+    /// Most significant byte first.
+    Big,
+}
+
+/// Where the object ids come from. Their grid must be the volume's.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct LabelSource {
+    /// File, relative to the folder of the scene file.
+    pub path: String,
+}
+
+/// How the samples of a ray become a pixel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Method {
+    /// Light and opacity add up along the ray, front to back.
+    EmissionAbsorption,
+    /// The largest value of the ray (maximum intensity projection).
+    Mip,
+    /// The smallest value of the ray.
+    Minip,
+    /// The mean value of the ray, as an X-ray film.
+    Average,
+    /// The first place where the value reaches `threshold`, as a solid surface.
+    FirstHit,
+}
+
+impl Method {
+    /// Every method.
+    pub const ALL: [Method; 5] = [
+        Method::EmissionAbsorption,
+        Method::Mip,
+        Method::Minip,
+        Method::Average,
+        Method::FirstHit,
+    ];
+
+    /// The name used in scenes and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Method::EmissionAbsorption => "emission-absorption",
+            Method::Mip => "mip",
+            Method::Minip => "minip",
+            Method::Average => "average",
+            Method::FirstHit => "first-hit",
+        }
+    }
+
+    /// Whether one value per ray is classified; light has no say then.
+    pub fn is_projection(self) -> bool {
+        matches!(self, Method::Mip | Method::Minip | Method::Average)
+    }
+}
+
+impl std::str::FromStr for Method {
+    type Err = String;
+
+    fn from_str(name: &str) -> Result<Method, String> {
+        Method::ALL
+            .into_iter()
+            .find(|method| method.name() == name)
+            .ok_or_else(|| {
+                let names = Method::ALL.map(Method::name).join(", ");
+                format!("{name:?} is not a method; known are {names}")
+            })
+    }
+}
+
+/// How light and surface make a colour.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Shading {
+    /// The model.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub model: Option<ShadingModel>,
+    /// Share of the colour that is there without light, 0 to 10.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ambient: Option<f64>,
+    /// Share of the colour that follows the angle to the light, 0 to 10.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub diffuse: Option<f64>,
+    /// Strength of the white highlight, 0 to 10.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub specular: Option<f64>,
+    /// Exponent of the highlight, above 0 to 1000: the larger, the smaller the highlight.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub shininess: Option<f64>,
+}
+
+/// A shading model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum ShadingModel {
+    /// The colour of the transfer function as it is.
+    Unlit,
+    /// Ambient, diffuse and specular light with the gradient as normal.
+    BlinnPhong,
+}
+
+/// How a value between voxels is found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Reconstruct {
+    /// The nearest voxel.
+    Nearest,
+    /// Linear between the eight voxels around.
+    Trilinear,
+}
+
+/// Where in its step a sample lies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Jitter {
+    /// In the middle, for every ray.
+    Off,
+    /// At a place that differs from ray to ray, the same for the same seed.
+    Seed(u32),
+}
+
+/// How linear light becomes a picture file.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Display {
+    /// Light is multiplied by this first, above 0 to 1,000,000.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub exposure: Option<f64>,
+    /// How light above white is brought down.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tone_map: Option<ToneMap>,
+}
+
+/// How light above white is brought down.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum ToneMap {
+    /// Cut off.
+    Clamp,
+    /// L / (1 + L) on the luminance.
+    Reinhard,
+}

@@ -1,0 +1,70 @@
+//! Transfer functions: value → colour and opacity.
+
+/// A transfer function as every renderer uses it: evenly spaced entries, linear in between, the
+/// first and last entry beyond the ends.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TransferTable {
+    domain: [f32; 2],
+    reference_mm: f32,
+    entries: Vec<[f32; 4]>,
+}
+
+impl TransferTable {
+    /// A table over the values `domain[0] < domain[1]`; `entries` (at least two) hold linear RGB, not
+    /// multiplied by alpha, and the opacity of `reference_mm` millimetres of material.
+    ///
+    /// # Panics
+    /// If there are fewer than two entries, the domain is empty, or the reference is not above 0.
+    pub fn new(domain: [f32; 2], reference_mm: f32, entries: Vec<[f32; 4]>) -> TransferTable {
+        assert!(entries.len() >= 2 && domain[0] < domain[1] && reference_mm > 0.0);
+        TransferTable {
+            domain,
+            reference_mm,
+            entries,
+        }
+    }
+
+    /// Values of the first and the last entry.
+    pub fn domain(&self) -> [f32; 2] {
+        self.domain
+    }
+
+    /// The length in mm that an entry's opacity belongs to.
+    pub fn reference_mm(&self) -> f32 {
+        self.reference_mm
+    }
+
+    /// Linear RGB, not premultiplied, and opacity per reference length.
+    pub fn entries(&self) -> &[[f32; 4]] {
+        &self.entries
+    }
+
+    /// Colour and opacity at `value`, the defining form: index (value − d0)·(n − 1)/(d1 − d0),
+    /// clamped, linear between entries. NaN gives transparent black.
+    pub fn at(&self, value: f32) -> [f32; 4] {
+        if value.is_nan() {
+            return [0.0; 4];
+        }
+        let last = (self.entries.len() - 1) as f32;
+        let [lo, hi] = self.domain;
+        let position = ((value - lo) * (last / (hi - lo))).clamp(0.0, last);
+        let index = (position as usize).min(self.entries.len() - 2);
+        let part = position - index as f32;
+        let (a, b) = (self.entries[index], self.entries[index + 1]);
+        std::array::from_fn(|c| a[c] + (b[c] - a[c]) * part)
+    }
+
+    /// The largest opacity of any value in `lo..=hi`, exact: the basis of skipping. (Linear pieces
+    /// have their maxima at entries or at the ends of the interval.)
+    pub fn max_opacity(&self, lo: f32, hi: f32) -> f32 {
+        let last = (self.entries.len() - 1) as f32;
+        let [d0, d1] = self.domain;
+        let position = |value: f32| ((value - d0) * (last / (d1 - d0))).clamp(0.0, last);
+        // One entry more on either side makes up for rounding in `position`.
+        let first = (position(lo) as usize).saturating_sub(1);
+        let end = (position(hi) as usize + 3).min(self.entries.len());
+        self.entries[first..end]
+            .iter()
+            .fold(0.0, |most, e| most.max(e[3]))
+    }
+}

@@ -1,0 +1,136 @@
+use crate::engine;
+use strahl_scene::{Scene, TransferPoint, presets, resolve, schema};
+
+fn message(text: &str) -> String {
+    match Scene::parse("scene.json", text) {
+        Ok(scene) => format!("accepted: {scene:?}"),
+        Err(error) => error.to_string(),
+    }
+}
+
+#[test]
+fn comments_and_trailing_commas_keep_the_lines() {
+    let text = "// a scene\n{\n  /* two\n  lines */ \"size\": [3, 4,], # here\n  \"preset\": \"a//b\",\n  \"sise\": 1\n}";
+    let error = message(text);
+    assert!(error.starts_with("scene.json:6:"), "{error}");
+    let good = text.replace("sise", "threshold");
+    let scene = Scene::parse("scene.json", &good).unwrap();
+    assert_eq!(scene.size, Some([3, 4]));
+    assert_eq!(scene.preset.as_deref(), Some("a//b"));
+}
+
+#[test]
+fn mistakes_are_named() {
+    let mistakes = [
+        r#"{ "camra": {} }"#,
+        r#"{ "camera": { "positon": [0, 0, 0] } }"#,
+        r#"{ "camera": { "view": "frnot" } }"#,
+        r#"{ "camera": { "position": [0, 0] } }"#,
+        r#"{ "camera": { "zoom": "big" } }"#,
+        r#"{ "method": "MIP" }"#,
+        r#"{ "size": [-1, 20] }"#,
+        r#"{ "size": 512 }"#,
+        r#"{ "background": "blue" }"#,
+        r##"{ "transfer_function": { "points": [[0, 0, "#000"], [1, 0, "#zzz"]] } }"##,
+        r#"{ "transfer_function": { "points": [{ "value": 1, "opacty": 0 }] } }"#,
+        r#"{ "transfer_function": { "points": [{ "opacity": 0 }] } }"#,
+        r#"{ "transfer_function": { "points": [[1, 2, [0, 0, 0], 4]] } }"#,
+        r#"{ "transfer_function": { "color_map": "virids" } }"#,
+        r#"{ "clips": [{ "plan": { "normal": [1, 0, 0] } }] }"#,
+        r#"{ "lights": [{ "kind": "head" }] }"#,
+        r#"{ "step_mm": NaN }"#,
+        r#"{ "step_mm": 1e999 }"#,
+        r#"{ "size": [1, 2] "#,
+        r#"{ "size": [1, 2] } more"#,
+        "[]",
+        r#"{ "camera": ["perspective"] }"#,
+        r#"{ "clips": [{ "plane": [[1, 0, 0]] }] }"#,
+        r#"{ "lights": [["head"]] }"#,
+        "",
+        "/* never closed",
+    ];
+    let text: Vec<String> = mistakes
+        .iter()
+        .map(|text| format!("{text}\n  {}", message(text)))
+        .collect();
+    insta::assert_snapshot!(text.join("\n"));
+}
+
+#[test]
+fn deep_and_long_texts_are_refused() {
+    let deep = format!("{{ \"clips\": {} }}", "[".repeat(100_000));
+    assert!(message(&deep).starts_with("scene.json:1:"));
+    let nested = format!("{{ \"nothing\": {} }}", "{\"a\":".repeat(100_000));
+    assert!(message(&nested).starts_with("scene.json:1:"));
+    let long = " ".repeat(20 << 20);
+    assert!(message(&long).contains("at most"));
+}
+
+#[test]
+fn points_of_the_benchmark_cases_are_read_as_they_are() {
+    let scene = Scene::parse(
+        "case",
+        r#"{ "transfer_function": { "points": [[0, 0.0, [0, 0, 0]], [200, 0.5, [1.0, 0.6, 0.2]]] } }"#,
+    )
+    .unwrap();
+    let points = scene.transfer_function.unwrap().points.unwrap();
+    assert_eq!(
+        points[1],
+        TransferPoint::new(200.0, 0.5, strahl_scene::Color([1.0, 0.6, 0.2]))
+    );
+}
+
+#[test]
+fn the_checked_in_schema_is_current() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/scene.schema.json");
+    let schema = schema();
+    if std::env::var_os("STRAHL_UPDATE").is_some() {
+        std::fs::write(path, &schema).unwrap();
+    }
+    let checked_in = std::fs::read_to_string(path).unwrap_or_default();
+    assert!(
+        checked_in == schema,
+        "docs/scene.schema.json is not current; run STRAHL_UPDATE=1 cargo test -p strahl-scene schema"
+    );
+}
+
+/// `docs/scene.md` names every key that the schema has and every preset, and its examples are scenes.
+#[test]
+fn the_manual_is_complete() {
+    fn keys(value: &serde_json::Value, found: &mut Vec<String>) {
+        match value {
+            serde_json::Value::Object(object) => {
+                if let Some(serde_json::Value::Object(properties)) = object.get("properties") {
+                    found.extend(properties.keys().cloned());
+                }
+                object.values().for_each(|value| keys(value, found));
+            }
+            serde_json::Value::Array(items) => items.iter().for_each(|item| keys(item, found)),
+            _ => {}
+        }
+    }
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/scene.md");
+    let manual = std::fs::read_to_string(path).unwrap();
+    let mut names = Vec::new();
+    keys(&serde_json::from_str(&schema()).unwrap(), &mut names);
+    assert!(names.len() > 40, "{names:?}");
+    names.extend(presets().iter().map(|preset| preset.name.to_owned()));
+    let missing: Vec<_> = names
+        .iter()
+        .filter(|name| {
+            let (code, quoted) = (format!("`{name}`"), format!("\"{name}\""));
+            !manual.contains(&code) && !manual.contains(&quoted)
+        })
+        .collect();
+    assert!(
+        missing.is_empty(),
+        "docs/scene.md does not name {missing:?}"
+    );
+    let examples: Vec<_> = manual.split("```json").skip(1).collect();
+    assert!(examples.len() >= 3);
+    for example in examples {
+        let text = example.split("```").next().unwrap();
+        let scene = Scene::parse("docs/scene.md", text).unwrap_or_else(|error| panic!("{error}"));
+        resolve(&scene, &engine(), None).unwrap_or_else(|problems| panic!("{problems}\n{text}"));
+    }
+}

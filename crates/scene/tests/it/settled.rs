@@ -1,0 +1,248 @@
+use crate::{ct_head, engine, header_at};
+use glam::DVec3;
+use strahl_scene::plan::{ClipPlane, Composite, Jitter, Plan, PlanLight, Shade};
+use strahl_scene::{Scene, presets, resolve, settled};
+use strahl_volume::{Modality, VolumeHeader};
+
+fn plan(text: &str, header: &VolumeHeader) -> Plan {
+    resolve(&Scene::parse("scene.json", text).unwrap(), header, None).unwrap()
+}
+
+/// Settling changes nothing that is drawn, twice settled is once settled, and the text of a settled
+/// scene is the scene.
+fn check_settled(scene: &Scene, header: &VolumeHeader) {
+    let once = settled(scene, header);
+    assert_eq!(settled(&once, header), once);
+    assert_eq!(Scene::parse("settled", &once.to_json()).unwrap(), once);
+    let (a, b) = (resolve(scene, header, None), resolve(&once, header, None));
+    assert_eq!(format!("{:?}", a.unwrap()), format!("{:?}", b.unwrap()));
+}
+
+#[test]
+fn a_settled_scene_draws_the_same() {
+    let texts = [
+        "{}",
+        r#"{ "method": "mip" }"#,
+        r#"{ "method": "average" }"#,
+        r#"{ "method": "first-hit" }"#,
+        r#"{ "preset": "mr", "method": "mip" }"#,
+        r#"{ "transfer_function": { "window": 400, "level": 40 } }"#,
+        r#"{ "transfer_function": { "color_map": "viridis" } }"#,
+        r#"{ "transfer_function": { "opacity": [0, 0.2] } }"#,
+        r#"{ "camera": { "projection": "orthographic" }, "size": [200, 300] }"#,
+        r#"{ "camera": { "position": [500, 500, 0] } }"#,
+        r#"{ "camera": { "azimuth_deg": 30 }, "clips": [{ "plane": { "normal": [1, 0, 0] } }] }"#,
+        r#"{ "shading": { "ambient": 0.5 }, "lights": [{ "type": "directional", "azimuth_deg": 20 }] }"#,
+    ];
+    for header in [ct_head(), engine()] {
+        for text in texts {
+            check_settled(&Scene::parse("scene.json", text).unwrap(), &header);
+        }
+        for preset in presets() {
+            let scene = Scene {
+                preset: Some(preset.name.to_owned()),
+                ..Scene::default()
+            };
+            check_settled(&scene, &header);
+            check_settled(&preset.scene(), &header);
+        }
+    }
+}
+
+#[test]
+fn the_preset_follows_the_volume() {
+    let preset = |header: &VolumeHeader, text: &str| {
+        let scene = Scene::parse("scene.json", text).unwrap();
+        settled(&scene, header).preset.unwrap()
+    };
+    assert_eq!(preset(&ct_head(), "{}"), "ct-bone");
+    assert_eq!(preset(&ct_head(), r#"{ "method": "mip" }"#), "mip");
+    assert_eq!(preset(&ct_head(), r#"{ "method": "average" }"#), "x-ray");
+    assert_eq!(preset(&engine(), "{}"), "solid");
+    let mut unnamed = ct_head();
+    unnamed.metadata.modality = None;
+    assert_eq!(preset(&unnamed, "{}"), "ct-bone");
+    let of = |modality: Modality| {
+        let mut header = header_at([100, 100, 100], DVec3::new(-33.0, 12.0, 7.0));
+        header.metadata.modality = Some(modality);
+        preset(&header, "{}")
+    };
+    assert_eq!(of(Modality::Mr), "mr");
+    assert_eq!(of(Modality::Nuclear), "mr");
+    assert_eq!(of(Modality::Ultrasound), "mr");
+    assert_eq!(of(Modality::Microscopy), "solid");
+    assert_eq!(of(Modality::Simulation), "solid");
+}
+
+/// Files that name no device, as NIfTI never does.
+#[test]
+fn the_preset_of_a_nameless_volume_follows_its_values_and_place() {
+    let preset = |header: &VolumeHeader| settled(&Scene::default(), header).preset.unwrap();
+    // Bright voxels: half of the box, or two in a hundred.
+    let bytes = |bright: u64, length_unit: bool, first: DVec3| {
+        let mut header = header_at([100, 100, 100], first);
+        header.statistics.histogram = vec![0; 256];
+        header.statistics.histogram[3] = 1_000_000 - bright;
+        header.statistics.histogram[200] = bright;
+        header.metadata.has_length_unit = length_unit;
+        preset(&header)
+    };
+    let (scanner, made_up) = (DVec3::new(-33.0, 12.0, 7.0), DVec3::splat(-49.5));
+    assert_eq!(bytes(500_000, true, scanner), "mr");
+    assert_eq!(bytes(20_000, true, scanner), "vessels");
+    assert_eq!(bytes(500_000, true, made_up), "solid");
+    assert_eq!(bytes(500_000, false, scanner), "solid");
+    let with = |range: [f64; 2], unit: Option<&str>| {
+        let mut header = header_at([100, 100, 100], made_up);
+        header.statistics.range = range;
+        header.metadata.value_unit = unit.map(str::to_owned);
+        preset(&header)
+    };
+    assert_eq!(with([-1024.0, 1800.0], None), "ct-bone");
+    // No air: not a CT as far as the values can say.
+    assert_eq!(with([-200.0, 1800.0], None), "solid");
+    assert_eq!(with([-200.0, 1800.0], Some("HU")), "ct-bone");
+}
+
+#[test]
+fn a_scene_goes_before_its_preset() {
+    let header = ct_head();
+    let with = plan(
+        r##"{ "preset": "ct-bone", "background": "#ff0000", "shading": { "ambient": 0.9 } }"##,
+        &header,
+    );
+    assert_eq!(with.background, [1.0, 0.0, 0.0, 1.0]);
+    let Shade::BlinnPhong {
+        ambient, diffuse, ..
+    } = with.shade
+    else {
+        panic!("unlit");
+    };
+    assert_eq!(ambient, 0.9);
+    let plain = plan(r#"{ "preset": "ct-bone" }"#, &header);
+    let Shade::BlinnPhong { diffuse: usual, .. } = plain.shade else {
+        panic!("unlit");
+    };
+    assert_eq!(diffuse, usual);
+    assert_eq!(with.classify, plain.classify);
+}
+
+#[test]
+fn methods_become_composites() {
+    let header = ct_head();
+    for (text, composite) in [
+        (
+            r#"{ "early_termination": 0 }"#,
+            Composite::EmissionAbsorption {
+                stop_at_transmittance: 0.0,
+            },
+        ),
+        (r#"{ "method": "mip" }"#, Composite::Mip),
+        (r#"{ "method": "minip" }"#, Composite::MinIp),
+        (r#"{ "method": "average" }"#, Composite::Average),
+        (
+            r#"{ "method": "first-hit", "threshold": 250 }"#,
+            Composite::FirstHit { threshold: 250.0 },
+        ),
+    ] {
+        assert_eq!(plan(text, &header).composite, composite);
+    }
+    let mip = plan(r#"{ "method": "mip" }"#, &header);
+    assert_eq!(mip.shade, Shade::Unlit);
+    assert!(mip.lights.is_empty());
+}
+
+#[test]
+fn lights_stand_where_their_angles_say() {
+    let text = r#"{ "lights": [
+        { "type": "directional", "space": "world", "azimuth_deg": 90 },
+        { "type": "directional", "space": "world", "elevation_deg": 90, "intensity": 0.5 },
+        { "type": "directional", "azimuth_deg": 90 },
+        { "type": "head" }
+    ] }"#;
+    let plan = plan(text, &ct_head());
+    let towards: Vec<DVec3> = plan
+        .lights
+        .iter()
+        .filter_map(|light| match light {
+            PlanLight::Directional { to_light, .. } => Some(*to_light),
+            PlanLight::Head { .. } => None,
+        })
+        .collect();
+    // The patient's left, the head, and the right edge of the frontal picture, which is left again.
+    for (found, expected) in towards.iter().zip([-DVec3::X, DVec3::Z, -DVec3::X]) {
+        assert!(found.distance(expected) < 1e-12, "{found}");
+    }
+    let PlanLight::Directional { radiance, .. } = plan.lights[1] else {
+        panic!("not directional");
+    };
+    assert_eq!(radiance, [0.5; 3]);
+    assert_eq!(plan.lights[3], PlanLight::Head { radiance: [1.0; 3] });
+}
+
+#[test]
+fn steps_and_jitter() {
+    let header = ct_head();
+    assert_eq!(plan("{}", &header).lattice.step_mm, 0.25);
+    let lattice = plan(r#"{ "step_mm": 2, "jitter": { "seed": 7 } }"#, &header).lattice;
+    assert_eq!((lattice.step_mm, lattice.jitter), (2.0, Jitter::Hash(7)));
+    assert_eq!(
+        plan(r#"{ "step_voxels": 3 }"#, &header).lattice.step_mm,
+        1.5
+    );
+}
+
+#[test]
+fn clips_keep_what_they_say() {
+    let header = ct_head();
+    let grid = header.grid;
+    let kept = |plan: &Plan, point: DVec3| {
+        plan.ray_clips
+            .iter()
+            .all(|ClipPlane { normal, offset_mm }| normal.dot(point) + offset_mm >= 0.0)
+            && plan.sample_clips.iter().all(|clip| {
+                let unit = clip.unit_from_world.transform_point3(point);
+                (unit.abs().max_element() <= 0.5) == clip.keep_inside
+            })
+    };
+    let voxel = |x: f64, y: f64, z: f64| {
+        grid.world_from_voxel()
+            .transform_point3(DVec3::new(x, y, z))
+    };
+    let half = plan(
+        r#"{ "clips": [{ "plane": { "normal": [0, 3, 0] } }] }"#,
+        &header,
+    );
+    assert!(kept(&half, grid.centre_mm() + DVec3::Y));
+    assert!(!kept(&half, grid.centre_mm() - DVec3::Y));
+    let at = plan(
+        r#"{ "clips": [{ "plane": { "normal": [0, 0, 2], "distance_mm": -700 } }] }"#,
+        &header,
+    );
+    assert!(kept(&at, DVec3::new(0.0, 0.0, -699.0)) && !kept(&at, DVec3::new(0.0, 0.0, -701.0)));
+    for (keep, inside) in [("inside", true), ("outside", false)] {
+        let texts = [
+            format!(
+                r#"{{ "clips": [{{ "box": {{ "min": [100, 100, 50], "max": [300, 300, 150], "space": "voxels", "keep": "{keep}" }} }}] }}"#
+            ),
+            format!(
+                r#"{{ "clips": [{{ "box": {{ "min": [0.25, 0.25, 0.25], "max": [0.75, 0.75, 0.75], "space": "fraction", "keep": "{keep}" }} }}] }}"#
+            ),
+        ];
+        for text in texts {
+            let plan = plan(&text, &header);
+            assert_eq!(kept(&plan, voxel(200.0, 200.0, 100.0)), inside);
+            assert_eq!(kept(&plan, voxel(102.0, 298.0, 52.0)), inside);
+            assert_eq!(kept(&plan, voxel(97.0, 200.0, 100.0)), !inside);
+            assert_eq!(kept(&plan, voxel(200.0, 302.0, 100.0)), !inside);
+            assert_eq!(kept(&plan, voxel(200.0, 200.0, 152.0)), !inside);
+        }
+    }
+    // Turned by 45° about z, a box of 20 mm reaches 14.1 mm along x and y, but not to its old corner.
+    let turned = plan(
+        r#"{ "clips": [{ "box": { "min": [-10, -10, -750], "max": [10, 10, -730], "rotation_deg": [0, 0, 45] } }] }"#,
+        &header,
+    );
+    assert!(kept(&turned, DVec3::new(13.9, 0.0, -740.0)));
+    assert!(!kept(&turned, DVec3::new(9.0, 9.0, -740.0)));
+}

@@ -1,0 +1,29 @@
+//! Drops what lies outside a box of any place, size and orientation, or inside it.
+struct Params {
+    /// First row of the affine map from the world (mm) to the cube from -0.5 to 0.5, then its shift.
+    /// default (0.01, 0, 0, 0)
+    unit_from_world_x: vec4f,
+    /// Second row.
+    /// default (0, 0.01, 0, 0)
+    unit_from_world_y: vec4f,
+    /// Third row.
+    /// default (0, 0, 0.01, 0)
+    unit_from_world_z: vec4f,
+    /// 1 keeps the inside, 0 the outside.
+    /// default 1, range 0 to 1
+    keep_inside: u32,
+}
+
+fn unit(place_mm: vec3f) -> vec3f {
+    let p = vec4f(place_mm, 1.0);
+    return vec3f(
+        dot(params.unit_from_world_x, p),
+        dot(params.unit_from_world_y, p),
+        dot(params.unit_from_world_z, p),
+    );
+}
+
+fn clip_sample(place_mm: vec3f) -> bool {
+    let inside = all(abs(unit(place_mm)) <= vec3f(0.5));
+    return inside != (params.keep_inside == 1u);
+}

@@ -1,0 +1,33 @@
+//! Emission and absorption, front to back (N. Max 1995).
+struct Params {
+    /// The ray ends when less than this share of light still passes; 0 never ends it.
+    /// default 0.00390625, range 0 to 1
+    stop_at_transmittance: f32,
+}
+
+struct State {
+    color: vec3f,
+    alpha: f32,
+}
+
+fn composite_start() -> State {
+    return State(vec3f(0.0), 0.0);
+}
+
+fn composite_add(state: State, sample: Sample) -> State {
+    let surface = classify(sample.value, sample.position);
+    if !(surface.opacity > 0.0) {
+        return state;
+    }
+    let seen = shade(surface, sample.position, sample.to_eye);
+    let share = (1.0 - state.alpha) * opacity_of_step(seen.opacity);
+    return State(state.color + share * seen.color, state.alpha + share);
+}
+
+fn composite_done(state: State) -> bool {
+    return 1.0 - state.alpha < params.stop_at_transmittance;
+}
+
+fn composite_finish(state: State) -> vec4f {
+    return vec4f(state.color, state.alpha);
+}

@@ -1,0 +1,55 @@
+//! Shader functions: every step of the ray is a function with a signature, chosen at run time.
+//!
+//! A [`Module`] is the WGSL text of one function for one [`Slot`]: its signature, parameters and
+//! needs are read from the text, and whatever is wrong with it is shown in that text. A [`Linker`]
+//! puts a [`Selection`] of modules into a [`Skeleton`], the ray loop, and gives a [`Program`]: WGSL
+//! that a person can read and any backend of WebGPU can run. No text is ever replaced by pattern;
+//! modules are taken apart by tokens, checked by naga, and checked again when they are together.
+//!
+//! ```
+//! use std::sync::Arc;
+//! use strahl_shader::{Linker, Module, Selection, Texels, built_in, ray_loop};
+//!
+//! let halved = Module::parse("halved", "halved.wgsl", "
+//!     struct Params {
+//!         /// Share of the opacity that stays.
+//!         /// default 0.5, range 0 to 1
+//!         share: f32,
+//!     }
+//!     fn classify(value: f32, position: vec3f) -> Surface {
+//!         let surface = table(value);
+//!         return Surface(surface.color, params.share * surface.opacity);
+//!     }
+//! ")?;
+//! let selection = Selection::new()
+//!     .with(built_in("fetch", "texture")?)
+//!     .with(built_in("reconstruct", "trilinear")?)
+//!     .with(Arc::new(halved))
+//!     .with(built_in("composite", "front_to_back")?);
+//! let program = Linker::new().link(&ray_loop(Texels::Float), &selection)?;
+//! let mut parameters = program.default_parameters();
+//! program.set(&mut parameters, "classify", "share", &[0.25])?;
+//! assert!(program.wgsl().contains("parameters.classify.share"));
+//! # Ok::<(), strahl_shader::Error>(())
+//! ```
+
+#![warn(missing_docs)]
+
+mod error;
+mod library;
+mod link;
+mod module;
+mod parameter;
+mod program;
+mod skeleton;
+mod slot;
+mod token;
+
+pub use error::{Error, Report};
+pub use library::{built_in, library};
+pub use link::{Linker, MOST_TURNS, PARAMETERS_BINDING, Selection, Skeleton};
+pub use module::{Module, PRELUDE};
+pub use parameter::{Parameter, Scalar};
+pub use program::{Block, Origin, Program};
+pub use skeleton::{BRICK_VOXELS, TABLE_ROW, Texels, ray_loop};
+pub use slot::{Fold, SLOTS, SUPPLIED, Signature, Slot, slot};

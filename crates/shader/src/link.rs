@@ -1,0 +1,514 @@
+//! Linking: from one module per slot to the text of one program.
+//!
+//! Signatures and bodies have been checked when the modules were read. What is left is to find out
+//! which functions are needed at all, to give every name a place of its own, to make one call of
+//! several functions, and to write it all down so that a person can read it.
+
+use crate::error::Error;
+use crate::module::{Module, PRELUDE, validate_program};
+use crate::program::{Block, Passage, Program};
+use crate::slot::{Fold, SLOTS, SUPPLIED, Signature, Slot};
+use crate::token::{Declared, Token, closing, tokens};
+use naga::TypeInner;
+use std::collections::{BTreeMap, HashMap, HashSet};
+use std::fmt::Write;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// How many times all loops of a user's module may turn per ray, together.
+pub const MOST_TURNS: u32 = 65_536;
+
+/// The functions that are chosen, slot by slot. Slots that are not filled get their null function.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
+pub struct Selection {
+    modules: BTreeMap<usize, Vec<Arc<Module>>>,
+}
+
+impl Selection {
+    /// Nothing in any slot.
+    pub fn new() -> Selection {
+        Selection::default()
+    }
+
+    /// Puts a function into its slot, after those that are there. Whether there may be several is
+    /// found when linking.
+    #[must_use]
+    pub fn with(mut self, module: Arc<Module>) -> Selection {
+        let slot = index(module.slot());
+        self.modules.entry(slot).or_default().push(module);
+        self
+    }
+
+    /// The functions in a slot.
+    pub fn of(&self, slot: &Slot) -> &[Arc<Module>] {
+        self.modules.get(&index(slot)).map_or(&[], Vec::as_slice)
+    }
+}
+
+fn index(slot: &Slot) -> usize {
+    SLOTS.iter().position(|other| other == slot).unwrap_or(0)
+}
+
+/// The part of a program that is not exchanged: the ray loop, its resources and entry points. It
+/// defines the functions of [`SUPPLIED`] but `lighting`, and calls those of slots.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Skeleton {
+    /// What it is called, in comments.
+    pub name: String,
+    /// Its text. The uniform block of the parameters is bound by the linker at group 0, binding
+    /// [`PARAMETERS_BINDING`].
+    pub wgsl: Arc<str>,
+}
+
+/// Where the parameters of all modules are bound, in group 0.
+pub const PARAMETERS_BINDING: u32 = 1;
+
+/// Links, and remembers what it has linked.
+#[derive(Debug, Default)]
+pub struct Linker {
+    linked: HashMap<(Skeleton, Selection), Arc<Program>>,
+}
+
+impl Linker {
+    /// A linker that remembers nothing yet.
+    pub fn new() -> Linker {
+        Linker::default()
+    }
+
+    /// The program of `selection` in `skeleton`: a combination that was seen before costs nothing.
+    ///
+    /// # Errors
+    /// A needed slot is empty or overfull, or the functions call one another in a circle.
+    pub fn link(
+        &mut self,
+        skeleton: &Skeleton,
+        selection: &Selection,
+    ) -> Result<Arc<Program>, Error> {
+        let key = (skeleton.clone(), selection.clone());
+        if let Some(program) = self.linked.get(&key) {
+            return Ok(program.clone());
+        }
+        let program = Arc::new(link(skeleton, selection)?);
+        self.linked.insert(key, program.clone());
+        Ok(program)
+    }
+}
+
+/// A function that the program needs.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Needed {
+    Slot(&'static Slot),
+    /// The folded call of all lights.
+    Lighting,
+}
+
+/// Who may be asked for by name.
+fn needed(name: &str) -> Option<Needed> {
+    if name == "lighting" {
+        return Some(Needed::Lighting);
+    }
+    let slot = SLOTS
+        .iter()
+        .find(|slot| slot.functions.iter().any(|f| f.name == name))?;
+    Some(Needed::Slot(slot))
+}
+
+fn link(skeleton: &Skeleton, selection: &Selection) -> Result<Program, Error> {
+    let reach = Reach::of(skeleton, selection)?;
+    let mut writer = Writer::new(skeleton, selection);
+    writer.line(&format!("// {}, linked from:", skeleton.name));
+    for slot in reach.slots() {
+        let names: Vec<_> = selection.of(slot).iter().map(|m| m.name()).collect();
+        let names = if names.is_empty() {
+            "null".into()
+        } else {
+            names.join(", ")
+        };
+        writer.line(&format!("//   {}: {names}", slot.name));
+    }
+    writer.line("");
+    writer.line(PRELUDE);
+    for slot in reach.slots() {
+        writer.slot(slot, selection.of(slot));
+    }
+    if reach.lighting {
+        writer.lighting(selection);
+    }
+    writer.parameters();
+    writer.line(&format!("// ---- {} ----", skeleton.name));
+    writer.line(&skeleton.wgsl);
+    writer.finish()
+}
+
+/// Which functions the skeleton reaches.
+struct Reach<'s> {
+    selection: &'s Selection,
+    slots: Vec<&'static Slot>,
+    lighting: bool,
+    /// The functions being followed, for circles.
+    path: Vec<(Needed, String)>,
+}
+
+impl<'s> Reach<'s> {
+    fn of(skeleton: &Skeleton, selection: &'s Selection) -> Result<Reach<'s>, Error> {
+        let mut reach = Reach {
+            selection,
+            slots: Vec::new(),
+            lighting: false,
+            path: Vec::new(),
+        };
+        let words = tokens(&skeleton.wgsl);
+        for pair in words.windows(2) {
+            if pair[1].is(b'(')
+                && let Some(needed) = needed(pair[0].text(&skeleton.wgsl))
+            {
+                reach.follow(needed, &skeleton.name)?;
+            }
+        }
+        Ok(reach)
+    }
+
+    /// In the order of the ray.
+    fn slots(&self) -> impl Iterator<Item = &'static Slot> {
+        SLOTS.iter().filter(|slot| self.slots.contains(slot))
+    }
+
+    fn follow(&mut self, needed: Needed, needed_by: &str) -> Result<(), Error> {
+        if let Some(start) = self.path.iter().position(|(n, _)| *n == needed) {
+            let mut path: Vec<_> = self.path[start..].iter().map(|(_, n)| n.clone()).collect();
+            path.push(path[0].clone());
+            return Err(Error::Circle { path });
+        }
+        match needed {
+            Needed::Lighting => {
+                if !std::mem::replace(&mut self.lighting, true) {
+                    self.path.push((needed, "lighting".into()));
+                    for name in ["light", "illuminate"] {
+                        // Without lights there is nothing to illuminate.
+                        let is_light = SLOTS.iter().find(|slot| slot.name == "light");
+                        if is_light.is_some_and(|slot| self.selection.of(slot).is_empty()) {
+                            continue;
+                        }
+                        if let Some(next) = self::needed(name) {
+                            self.follow(next, "lighting")?;
+                        }
+                    }
+                    self.path.pop();
+                }
+                Ok(())
+            }
+            Needed::Slot(slot) => self.follow_slot(slot, needed_by),
+        }
+    }
+
+    fn follow_slot(&mut self, slot: &'static Slot, needed_by: &str) -> Result<(), Error> {
+        if self.slots.contains(&slot) {
+            return Ok(());
+        }
+        let modules = self.selection.of(slot);
+        if modules.is_empty() && slot.null.is_none() {
+            return Err(Error::Empty {
+                slot: slot.name,
+                needed_by: needed_by.to_owned(),
+                known: crate::library::names(slot).join(", "),
+            });
+        }
+        if modules.len() > 1 && slot.fold == Fold::One {
+            return Err(Error::Crowded {
+                slot: slot.name,
+                modules: modules.iter().map(|m| m.name().to_owned()).collect(),
+            });
+        }
+        for module in modules {
+            let who = format!("{} ({})", slot.name, module.name());
+            self.path.push((Needed::Slot(slot), who.clone()));
+            for need in module.needs() {
+                if let Some(next) = needed(need) {
+                    self.follow(next, &who)?;
+                }
+            }
+            self.path.pop();
+        }
+        self.slots.push(slot);
+        Ok(())
+    }
+}
+
+/// The program as it is written.
+struct Writer<'s> {
+    wgsl: String,
+    passages: Vec<Passage>,
+    blocks: Vec<Block>,
+    /// Every name of the modules, the skeleton and the linker.
+    names: HashSet<String>,
+    bounded: bool,
+    skeleton: &'s Skeleton,
+}
+
+impl<'s> Writer<'s> {
+    fn new(skeleton: &'s Skeleton, selection: &Selection) -> Writer<'s> {
+        let mut names = HashSet::new();
+        let mut take = |source: &str, tokens: &[Token]| {
+            names.extend(tokens.iter().map(|t| t.text(source).to_owned()));
+        };
+        take(&skeleton.wgsl, &tokens(&skeleton.wgsl));
+        take(PRELUDE, &tokens(PRELUDE));
+        for module in selection.modules.values().flatten() {
+            take(module.source(), &module.tokens);
+        }
+        Writer {
+            wgsl: String::new(),
+            passages: Vec::new(),
+            blocks: Vec::new(),
+            names,
+            bounded: false,
+            skeleton,
+        }
+    }
+
+    fn line(&mut self, text: &str) {
+        self.wgsl.push_str(text);
+        self.wgsl.push('\n');
+    }
+
+    /// A name that nobody has, like `wish`.
+    fn unique(&mut self, wish: String) -> String {
+        let mut name = wish;
+        while !self.names.insert(name.clone()) {
+            name.push('_');
+        }
+        name
+    }
+
+    /// All functions of a slot, and the one call that the others make.
+    fn slot(&mut self, slot: &'static Slot, modules: &[Arc<Module>]) {
+        match modules {
+            [] => {
+                self.line(&format!("// ---- {}: null ----", slot.name));
+                let null = slot.null.unwrap_or_default();
+                for function in slot.functions {
+                    self.line(&format!("{function} {{\n    {null}\n}}\n"));
+                }
+            }
+            [module] if slot.fold != Fold::Lights => self.module(module, slot.name.to_owned()),
+            _ => {
+                let mut calls = Vec::new();
+                for (i, module) in modules.iter().enumerate() {
+                    let label = self.unique(format!("{}_{i}", slot.name));
+                    self.module(module, label.clone());
+                    calls.push(label);
+                }
+                if let Some(body) = folded(slot, &calls) {
+                    let function = &slot.functions[0];
+                    self.line(&format!(
+                        "// ---- {}: {} functions in one call ----",
+                        slot.name,
+                        calls.len()
+                    ));
+                    self.line(&format!("{function} {{\n{body}}}\n"));
+                }
+            }
+        }
+    }
+
+    /// The text of a module with its names made its own.
+    fn module(&mut self, module: &Arc<Module>, label: String) {
+        let mut names = HashMap::new();
+        for declaration in &module.declarations {
+            let own = &declaration.name;
+            let is_function_of_slot = module.slot().functions.iter().any(|f| f.name == own);
+            let name = if own == module.slot().name {
+                label.clone()
+            } else if is_function_of_slot {
+                continue;
+            } else if matches!(declaration.kind, Declared::Struct | Declared::Alias) {
+                self.unique(camel_case(&label) + own)
+            } else {
+                self.unique(format!("{label}_{own}"))
+            };
+            names.insert(own.as_str(), name);
+        }
+        if module.parameter_bytes() > 0 {
+            names.insert("params", format!("parameters.{label}"));
+            self.blocks.push(Block {
+                label: label.clone(),
+                type_name: names["Params"].clone(),
+                module: module.clone(),
+                offset: 0,
+            });
+        }
+        self.line(&format!(
+            "// ---- {}: {} ({}) ----",
+            label,
+            module.name(),
+            module.file()
+        ));
+        let members = members(module);
+        let bounds = if module.is_built_in() {
+            HashSet::new()
+        } else {
+            loop_bodies(module)
+        };
+        let source = module.source();
+        let mut copied = 0;
+        for (i, token) in module.tokens.iter().enumerate() {
+            self.wgsl.push_str(&source[copied..token.span.start]);
+            copied = token.span.end;
+            self.passages.push(Passage {
+                start: self.wgsl.len(),
+                module: module.clone(),
+                from: token.span.start,
+            });
+            let text = token.text(source);
+            let after_dot =
+                i > 0 && (module.tokens[i - 1].is(b'.') || module.tokens[i - 1].is(b'@'));
+            match names.get(text) {
+                Some(name) if !after_dot && !members.contains(&i) => self.wgsl.push_str(name),
+                _ => self.wgsl.push_str(text),
+            }
+            if bounds.contains(&i) {
+                self.bounded = true;
+                self.wgsl.push_str(" if loop_turns_of_ray() { break; }");
+            }
+        }
+        self.passages.push(Passage {
+            start: self.wgsl.len(),
+            module: module.clone(),
+            from: copied,
+        });
+        self.wgsl.push_str(&source[copied..]);
+        self.line("\n");
+    }
+
+    fn lighting(&mut self, selection: &Selection) {
+        let light = SLOTS.iter().find(|slot| slot.fold == Fold::Lights);
+        let count = light.map_or(0, |slot| selection.of(slot).len());
+        self.line(&format!(
+            "// ---- lighting: the light of {count} lights adds up ----"
+        ));
+        if let Some(signature) = SUPPLIED.iter().find(|s| s.name == "lighting") {
+            self.line(&format!("{signature} {{"));
+        }
+        self.line("    var sum = vec3f(0.0);");
+        if count > 0 {
+            self.line("    let place = place_mm(position);");
+        }
+        for i in 0..count {
+            self.line(&format!(
+                "    sum += illuminate(color, normal, to_eye, light_{i}(place, to_eye));"
+            ));
+        }
+        self.line("    return sum;\n}\n");
+    }
+
+    /// The uniform block of all parameters, and the counter of bounded loops.
+    fn parameters(&mut self) {
+        if self.bounded {
+            self.line(&format!(
+                "// Loops of modules that are not built in end together after {MOST_TURNS} turns per ray.\n\
+                 var<private> loop_turns: u32 = 0u;\n\
+                 fn loop_turns_of_ray() -> bool {{\n    loop_turns += 1u;\n    return loop_turns > {MOST_TURNS}u;\n}}\n"
+            ));
+        }
+        if self.blocks.is_empty() {
+            return;
+        }
+        self.line("// ---- the parameters of all functions ----");
+        self.line("struct Parameters {");
+        let mut text = String::new();
+        for block in &self.blocks {
+            // Uniform memory wants structs at multiples of 16 bytes.
+            let _ = writeln!(text, "    @align(16) {}: {},", block.label, block.type_name);
+        }
+        self.line(&text);
+        self.line(&format!(
+            "}}\n@group(0) @binding({PARAMETERS_BINDING}) var<uniform> parameters: Parameters;\n"
+        ));
+    }
+
+    fn finish(mut self) -> Result<Program, Error> {
+        let naga = validate_program(&self.wgsl).map_err(|message| Error::Program {
+            skeleton: self.skeleton.name.clone(),
+            message,
+        })?;
+        let mut parameter_bytes = 0;
+        for (_, ty) in naga.types.iter() {
+            if ty.name.as_deref() != Some("Parameters") {
+                continue;
+            }
+            if let TypeInner::Struct { members, span } = &ty.inner {
+                parameter_bytes = *span;
+                for (block, member) in self.blocks.iter_mut().zip(members) {
+                    block.offset = member.offset;
+                }
+            }
+        }
+        Ok(Program::new(
+            self.wgsl,
+            self.blocks,
+            parameter_bytes,
+            self.passages,
+        ))
+    }
+}
+
+/// The body of the function that calls all of `calls`.
+fn folded(slot: &Slot, calls: &[String]) -> Option<String> {
+    let Signature { arguments, .. } = &slot.functions[0];
+    let names: Vec<_> = arguments.iter().map(|(name, _)| *name).collect();
+    let mut body = String::new();
+    match slot.fold {
+        Fold::Chain => {
+            let (last, first) = names.split_last()?;
+            let first: String = first.iter().map(|name| format!("{name}, ")).collect();
+            let _ = writeln!(body, "    var result = {last};");
+            for call in calls {
+                let _ = writeln!(body, "    result = {call}({first}result);");
+            }
+            body.push_str("    return result;\n");
+        }
+        Fold::Any => {
+            let list = names.join(", ");
+            let calls: Vec<_> = calls.iter().map(|call| format!("{call}({list})")).collect();
+            let _ = writeln!(body, "    return {};", calls.join(" || "));
+        }
+        Fold::One | Fold::Lights => return None,
+    }
+    Some(body)
+}
+
+/// The tokens that are names of struct members where they are declared.
+fn members(module: &Module) -> HashSet<usize> {
+    let is_struct = |d: &&crate::token::Declaration| d.kind == Declared::Struct;
+    let bodies = module.declarations.iter().filter(is_struct);
+    bodies
+        .flat_map(|d| d.tokens.clone())
+        .filter(|&i| module.tokens.get(i + 1).is_some_and(|next| next.is(b':')))
+        .collect()
+}
+
+/// The tokens `{` that open the bodies of loops.
+fn loop_bodies(module: &Module) -> HashSet<usize> {
+    let tokens = &module.tokens;
+    let opening = |mut range: Range<usize>| range.find(|&i| tokens[i].is(b'{'));
+    tokens
+        .iter()
+        .enumerate()
+        .filter_map(|(i, token)| match token.text(module.source()) {
+            "loop" | "while" => opening(i + 1..tokens.len()),
+            "for" => opening(closing(tokens, i + 1, b'(', b')') + 1..tokens.len()),
+            _ => None,
+        })
+        .collect()
+}
+
+/// `clip_ray_0` → `ClipRay0`.
+fn camel_case(label: &str) -> String {
+    label
+        .split('_')
+        .map(|word| {
+            let (first, rest) = word.split_at(word.len().min(1));
+            first.to_ascii_uppercase() + rest
+        })
+        .collect()
+}

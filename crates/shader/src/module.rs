@@ -1,0 +1,658 @@
+//! A module: the WGSL text of one function for one slot.
+
+use crate::error::{Error, Report};
+use crate::parameter::{Parameter, Scalar};
+use crate::slot::{SLOTS, SUPPLIED, Signature, Slot};
+use crate::token::{Declaration, Declared, Token, declarations, tokens};
+use naga::front::wgsl;
+use naga::proc::GlobalCtx;
+use naga::valid::{
+    CallError, Capabilities, FunctionError, ValidationError, ValidationFlags, Validator,
+};
+use naga::{Expression, Function, Handle, ScalarKind, ShaderStage, TypeInner, VectorSize};
+use std::collections::BTreeSet;
+use std::fmt::Write;
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::ops::Range;
+use std::sync::Arc;
+
+/// The types that every module may use, and what they mean.
+pub const PRELUDE: &str = include_str!("prelude.wgsl");
+
+/// A text longer than this is not a shader function.
+const LONGEST_TEXT: usize = 256 << 10;
+
+/// No variable of a function may take more, because a GPU has to keep it for every ray at once.
+const LARGEST_TYPE: u32 = 16 << 10;
+
+/// A checked shader function: its slot, parameters and needs, all read from its text.
+#[derive(Clone, Debug)]
+pub struct Module {
+    slot: &'static Slot,
+    name: String,
+    file: String,
+    source: Arc<str>,
+    meaning: String,
+    parameters: Vec<Parameter>,
+    parameter_bytes: u32,
+    needs: Vec<&'static str>,
+    remembers: bool,
+    is_built_in: bool,
+    hash: u64,
+    pub(crate) tokens: Vec<Token>,
+    pub(crate) declarations: Vec<Declaration>,
+}
+
+impl Module {
+    /// Reads and checks a module of a user. `name` is what it is called, `file` where it stands;
+    /// both for messages.
+    ///
+    /// # Errors
+    /// [`Error::Text`] with the place and what would be right: if the text is not WGSL, defines no
+    /// function of a slot or one with another signature, binds resources, is an entry point, takes
+    /// names that are taken, or has parameters that do not say their default.
+    pub fn parse(name: &str, file: &str, source: &str) -> Result<Module, Error> {
+        Module::checked(name, file, source, false)
+    }
+
+    pub(crate) fn built_in(name: &str, file: &str, source: &str) -> Result<Module, Error> {
+        Module::checked(name, file, source, true)
+    }
+
+    /// The slot that it can stand in.
+    pub fn slot(&self) -> &'static Slot {
+        self.slot
+    }
+
+    /// What it is called.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The file it comes from.
+    pub fn file(&self) -> &str {
+        &self.file
+    }
+
+    /// Its text.
+    pub fn source(&self) -> &str {
+        &self.source
+    }
+
+    /// What it does: its comments of the form `//!`.
+    pub fn meaning(&self) -> &str {
+        &self.meaning
+    }
+
+    /// Its parameters, in the order of the struct.
+    pub fn parameters(&self) -> &[Parameter] {
+        &self.parameters
+    }
+
+    /// The size of its struct `Params` in bytes, 0 without one.
+    pub fn parameter_bytes(&self) -> u32 {
+        self.parameter_bytes
+    }
+
+    /// The functions of slots, and those that the renderer supplies, that it calls; sorted.
+    pub fn needs(&self) -> &[&'static str] {
+        &self.needs
+    }
+
+    /// Whether it has variables that live as long as the ray.
+    pub fn remembers(&self) -> bool {
+        self.remembers
+    }
+
+    /// Whether it belongs to the library.
+    pub fn is_built_in(&self) -> bool {
+        self.is_built_in
+    }
+
+    fn checked(name: &str, file: &str, source: &str, is_built_in: bool) -> Result<Module, Error> {
+        let text = Text { file, source };
+        if source.len() > LONGEST_TEXT {
+            return Err(text.error(
+                format!(
+                    "the text has {} bytes; a module has at most {LONGEST_TEXT}",
+                    source.len()
+                ),
+                0..0,
+                "",
+                [],
+            ));
+        }
+        let tokens = tokens(source);
+        let declarations = declarations(source, &tokens);
+        text.check_declarations(&tokens, &declarations)?;
+        let slot = text.slot(&declarations)?;
+        let has_parameters = declarations
+            .iter()
+            .any(|d| d.kind == Declared::Struct && d.name == "Params");
+
+        let surroundings = surroundings(slot, has_parameters);
+        let naga = text.parsed(&format!("{source}\n{surroundings}"))?;
+        let functions = text.check_signatures(slot, &declarations, &naga)?;
+        text.check_sizes(&declarations, &naga)?;
+        let (parameters, parameter_bytes) = text.parameters(&declarations, &naga)?;
+
+        let mut hasher = DefaultHasher::new();
+        (source, is_built_in).hash(&mut hasher);
+        Ok(Module {
+            slot,
+            name: name.to_owned(),
+            file: file.to_owned(),
+            source: source.into(),
+            meaning: meaning(source),
+            parameters,
+            parameter_bytes,
+            needs: needs(slot, &naga, &functions),
+            remembers: declarations.iter().any(|d| d.kind == Declared::Private),
+            is_built_in,
+            hash: hasher.finish(),
+            tokens,
+            declarations,
+        })
+    }
+}
+
+impl PartialEq for Module {
+    /// Modules with the same text link to the same program, whatever they are called.
+    fn eq(&self, other: &Module) -> bool {
+        self.is_built_in == other.is_built_in && self.source == other.source
+    }
+}
+
+impl Eq for Module {}
+
+impl Hash for Module {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        self.hash.hash(state);
+    }
+}
+
+/// The comments of the form `//!`.
+fn meaning(source: &str) -> String {
+    let lines = source.lines().map_while(|line| line.strip_prefix("//!"));
+    lines.map(str::trim).collect::<Vec<_>>().join("\n")
+}
+
+/// What stands around a module when it is checked alone: the prelude, every function that it could
+/// need, its parameter block. It comes after the module, so that places in the text stay as they are.
+fn surroundings(own: &Slot, has_parameters: bool) -> String {
+    let others = SLOTS.iter().filter(|slot| *slot != own);
+    let mut text = PRELUDE.to_owned();
+    for function in others.flat_map(|slot| slot.functions).chain(&SUPPLIED) {
+        // The state of a composite is known only to itself, and nobody calls its functions.
+        if !function.name.starts_with("composite_") {
+            let _ = writeln!(text, "{function} {{ return {}(); }}", function.result);
+        }
+    }
+    if has_parameters {
+        text.push_str("@group(0) @binding(0) var<uniform> params: Params;\n");
+    }
+    text
+}
+
+/// The text under check, for messages.
+struct Text<'t> {
+    file: &'t str,
+    source: &'t str,
+}
+
+impl Text<'_> {
+    fn error<const N: usize>(
+        &self,
+        message: impl Into<String>,
+        place: Range<usize>,
+        label: impl Into<String>,
+        notes: [String; N],
+    ) -> Error {
+        Error::Text(Box::new(Report {
+            message: message.into(),
+            file: self.file.to_owned(),
+            source: self.source.into(),
+            labels: vec![(place, label.into())],
+            notes: notes.into(),
+        }))
+    }
+
+    /// Refuses what belongs to whole programs, and names that are taken.
+    fn check_declarations(&self, tokens: &[Token], found: &[Declaration]) -> Result<(), Error> {
+        for declaration in found {
+            let place = declaration.span.clone();
+            let name = &declaration.name;
+            match declaration.kind {
+                Declared::Resource => {
+                    return Err(self.error(
+                        "a module binds no resources",
+                        place,
+                        "declared here",
+                        [
+                            "numbers that are set from outside are members of `struct Params`; voxels are read with `fetch`, `texel` or `reconstruct`; `var<private>` remembers something along the ray".into(),
+                        ],
+                    ));
+                }
+                Declared::Directive => {
+                    return Err(self.error(
+                        "a module enables no extensions",
+                        place,
+                        "enabled here",
+                        ["it has to run on every adapter; leave the line out".into()],
+                    ));
+                }
+                _ => {}
+            }
+            if is_taken(name) {
+                return Err(self.error(
+                    format!("the name `{name}` is taken"),
+                    place,
+                    "declared here",
+                    [format!(
+                        "`{name}` is a name that every module can use as it is; choose another one"
+                    )],
+                ));
+            }
+        }
+        for pair in tokens.windows(2) {
+            let attribute = pair[1].text(self.source);
+            if !pair[0].is(b'@') {
+                continue;
+            }
+            let wrong = match attribute {
+                "vertex" | "fragment" | "compute" | "workgroup_size" | "builtin" | "location" => {
+                    "a module has no entry point; it defines the function of a slot"
+                }
+                "group" | "binding" | "id" => "a module binds no resources",
+                _ => continue,
+            };
+            return Err(self.error(wrong, pair[0].span.start..pair[1].span.end, "here", []));
+        }
+        // `params` is put in by the linker, so nothing else may have that name.
+        for window in tokens.windows(2) {
+            let [word, name] = [window[0].text(self.source), window[1].text(self.source)];
+            if matches!(word, "let" | "var" | "const" | "fn") && name == "params" {
+                return Err(self.error(
+                    "the name `params` is taken",
+                    window[1].span.clone(),
+                    "declared here",
+                    ["`params` holds the values of `struct Params`; choose another name".into()],
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    /// The one slot whose function is defined.
+    fn slot(&self, found: &[Declaration]) -> Result<&'static Slot, Error> {
+        let functions = || found.iter().filter(|d| d.kind == Declared::Function);
+        let mut slots = functions().filter_map(|d| {
+            let slot = SLOTS
+                .iter()
+                .find(|slot| slot.functions.iter().any(|f| f.name == d.name))?;
+            Some((slot, d))
+        });
+        let Some((slot, first)) = slots.next() else {
+            let names: Vec<_> = SLOTS.iter().map(|slot| slot.name).collect();
+            let near = functions().find_map(|d| {
+                let near = names
+                    .iter()
+                    .find(|name| strsim::damerau_levenshtein(name, &d.name) <= 2)?;
+                Some((d, near))
+            });
+            let (place, label) = match near {
+                Some((d, near)) => (d.span.clone(), format!("did you mean `{near}`?")),
+                None => (0..0, String::new()),
+            };
+            return Err(self.error(
+                "the module defines no function of a slot",
+                place,
+                label,
+                [format!(
+                    "its main function is named after the slot that it stands in: {}",
+                    names.join(", ")
+                )],
+            ));
+        };
+        if let Some((_, other)) = slots.find(|(other, _)| *other != slot) {
+            return Err(self.error(
+                "the module defines functions of two slots",
+                other.span.clone(),
+                format!("`{}` was defined before", first.name),
+                [
+                    "one module fills one slot; put the other function into a module of its own"
+                        .into(),
+                ],
+            ));
+        }
+        for function in slot.functions {
+            if !functions().any(|d| d.name == function.name) {
+                return Err(self.error(
+                    format!("the function `{}` is missing", function.name),
+                    first.span.clone(),
+                    format!("the slot {} needs it beside this one", slot.name),
+                    [format!("add `{function}`")],
+                ));
+            }
+        }
+        Ok(slot)
+    }
+
+    /// Parses and validates the module with its surroundings.
+    fn parsed(&self, whole: &str) -> Result<naga::Module, Error> {
+        let own = |span: naga::Span| {
+            let range = span.to_range()?;
+            (range.end <= self.source.len()).then_some(range)
+        };
+        let options = wgsl::Options {
+            parse_doc_comments: true,
+            capabilities: Capabilities::empty(),
+        };
+        let parsed = wgsl::Frontend::new_with_options(options).parse(whole);
+        let module = parsed.map_err(|error| {
+            let labels = error
+                .labels()
+                .filter_map(|(span, text)| Some((own(span)?, text.to_owned())));
+            let mut notes: Vec<_> = error.notes().map(str::to_owned).collect();
+            if error.message().contains("`params`") {
+                notes.push("`params` is there when the module declares `struct Params`".into());
+            }
+            Error::Text(Box::new(Report {
+                message: error.message().to_owned(),
+                file: self.file.to_owned(),
+                source: self.source.into(),
+                labels: labels.collect(),
+                notes,
+            }))
+        })?;
+        Validator::new(ValidationFlags::all(), Capabilities::empty())
+            .validate(&module)
+            .map_err(|error| {
+                let mut labels: Vec<_> = error
+                    .spans()
+                    .filter_map(|(span, text)| Some((own(*span)?, text.clone())))
+                    .collect();
+                // The innermost place is the one that the innermost reason speaks of.
+                labels.sort_by_key(|(range, _)| range.len());
+                labels.truncate(2);
+                for (_, text) in &mut labels {
+                    // Names of the compiler's own types tell nobody anything.
+                    if text.starts_with("naga::") {
+                        text.clear();
+                    }
+                }
+                Error::Text(Box::new(Report {
+                    message: reason(error.as_inner(), &module),
+                    file: self.file.to_owned(),
+                    source: self.source.into(),
+                    labels,
+                    notes: Vec::new(),
+                }))
+            })?;
+        Ok(module)
+    }
+
+    /// Compares the functions with the signatures of the slot.
+    fn check_signatures(
+        &self,
+        slot: &'static Slot,
+        found: &[Declaration],
+        naga: &naga::Module,
+    ) -> Result<Vec<Handle<Function>>, Error> {
+        let mut handles = Vec::new();
+        for wanted in slot.functions {
+            let Some((handle, function)) = naga
+                .functions
+                .iter()
+                .find(|(_, f)| f.name.as_deref() == Some(wanted.name))
+            else {
+                continue; // `slot` has seen that it is there
+            };
+            handles.push(handle);
+            let arguments: Vec<_> = function
+                .arguments
+                .iter()
+                .map(|a| (a.name.clone().unwrap_or_default(), type_name(naga, a.ty)))
+                .collect();
+            let result = function
+                .result
+                .as_ref()
+                .map_or("nothing".to_owned(), |r| type_name(naga, r.ty));
+            let types = arguments.iter().map(|(_, kind)| kind.as_str());
+            if types.eq(wanted.arguments.iter().map(|(_, kind)| *kind)) && result == wanted.result {
+                continue;
+            }
+            let list: Vec<_> = arguments.iter().map(|(n, k)| format!("{n}: {k}")).collect();
+            let place = found
+                .iter()
+                .find(|d| d.kind == Declared::Function && d.name == wanted.name)
+                .map_or(0..0, |d| d.span.clone());
+            return Err(self.error(
+                format!("`{}` has another signature than its slot", wanted.name),
+                place,
+                format!("expected `{wanted}`"),
+                [
+                    format!(
+                        "found    `fn {}({}) -> {result}`",
+                        wanted.name,
+                        list.join(", ")
+                    ),
+                    format!("a function in the slot {} says {}", slot.name, slot.meaning),
+                ],
+            ));
+        }
+        Ok(handles)
+    }
+
+    /// Refuses types that no GPU can keep for every ray.
+    fn check_sizes(&self, found: &[Declaration], naga: &naga::Module) -> Result<(), Error> {
+        for (_, ty) in naga.types.iter() {
+            let size = ty.inner.try_size(context(naga));
+            if size.is_some_and(|bytes| bytes <= LARGEST_TYPE) {
+                continue;
+            }
+            let size = size.map_or("more bytes than can be counted".into(), |n| {
+                format!("{n} bytes")
+            });
+            let place = found
+                .iter()
+                .find(|d| Some(&d.name) == ty.name.as_ref())
+                .map_or(0..0, |d| d.span.clone());
+            return Err(self.error(
+                format!("a type of the module takes {size}"),
+                place,
+                "",
+                [format!(
+                    "every ray keeps its own; at most {LARGEST_TYPE} bytes are allowed. Larger tables belong into the volume or the transfer function"
+                )],
+            ));
+        }
+        Ok(())
+    }
+
+    /// The members of `Params`.
+    fn parameters(
+        &self,
+        found: &[Declaration],
+        naga: &naga::Module,
+    ) -> Result<(Vec<Parameter>, u32), Error> {
+        let Some((handle, ty)) = naga
+            .types
+            .iter()
+            .find(|(_, ty)| ty.name.as_deref() == Some("Params"))
+        else {
+            return Ok((Vec::new(), 0));
+        };
+        let TypeInner::Struct { members, span } = &ty.inner else {
+            return Ok((Vec::new(), 0));
+        };
+        let place = found
+            .iter()
+            .find(|d| d.name == "Params")
+            .map_or(0..0, |d| d.span.clone());
+        let comments = naga.doc_comments.as_ref().map(|c| &c.struct_members);
+        let mut parameters = Vec::new();
+        for (i, member) in members.iter().enumerate() {
+            let name = member.name.clone().unwrap_or_default();
+            let wrong = |problem: String| {
+                self.error(
+                    format!("parameter `{name}` {problem}"),
+                    place.clone(),
+                    "",
+                    [],
+                )
+            };
+            let (scalar, components) = match naga.types[member.ty].inner {
+                TypeInner::Scalar(scalar) => (scalar.kind, 1),
+                TypeInner::Vector { size, scalar } => (scalar.kind, size as usize),
+                _ => {
+                    return Err(wrong(format!(
+                        "is a {}; a parameter is f32, i32, u32 or a vector of them",
+                        type_name(naga, member.ty)
+                    )));
+                }
+            };
+            let (scalar, range) = match scalar {
+                ScalarKind::Sint => (Scalar::I32, [f64::from(i32::MIN), f64::from(i32::MAX)]),
+                ScalarKind::Uint => (Scalar::U32, [0.0, f64::from(u32::MAX)]),
+                _ => (Scalar::F32, [f64::from(f32::MIN), f64::from(f32::MAX)]),
+            };
+            let mut parameter = Parameter {
+                name: name.clone(),
+                scalar,
+                components,
+                offset: member.offset,
+                meaning: String::new(),
+                default: Vec::new(),
+                range,
+                unit: None,
+            };
+            let lines = comments.and_then(|c| c.get(&(handle, i)));
+            let lines = lines.into_iter().flatten().flat_map(|text| text.lines());
+            parameter.describe(lines).map_err(wrong)?;
+            parameters.push(parameter);
+        }
+        Ok((parameters, *span))
+    }
+}
+
+/// The innermost reason, with types by name where the compiler has only their numbers.
+fn reason(error: &ValidationError, naga: &naga::Module) -> String {
+    if let ValidationError::Function { name, source, .. } = error {
+        match source {
+            FunctionError::InvalidCall {
+                function,
+                error:
+                    CallError::ArgumentType {
+                        index, required, ..
+                    },
+            } => {
+                let called = naga.functions[*function].name.as_deref().unwrap_or("it");
+                return format!(
+                    "argument {} of `{called}` has to be of type {}, and is not",
+                    index + 1,
+                    type_name(naga, *required)
+                );
+            }
+            FunctionError::InvalidReturnType {
+                expected_ty: Some(expected),
+                ..
+            } => {
+                return format!(
+                    "`{name}` has to return a value of type {} wherever it ends",
+                    type_name(naga, *expected)
+                );
+            }
+            _ => {}
+        }
+    }
+    let mut reason: &dyn std::error::Error = error;
+    while let Some(source) = reason.source() {
+        reason = source;
+    }
+    reason.to_string()
+}
+
+fn is_taken(name: &str) -> bool {
+    let types = ["Surface", "Light", "Ray", "Sample"];
+    types.contains(&name) || SUPPLIED.iter().any(|function| function.name == name)
+}
+
+fn context(naga: &naga::Module) -> GlobalCtx<'_> {
+    naga.to_ctx()
+}
+
+/// The type as the signatures of slots write it.
+fn type_name(naga: &naga::Module, handle: Handle<naga::Type>) -> String {
+    let ty = &naga.types[handle];
+    if let Some(name) = &ty.name {
+        return name.clone();
+    }
+    let scalar = |scalar: naga::Scalar| match (scalar.kind, scalar.width) {
+        (ScalarKind::Float, 4) => ("f32", "f"),
+        (ScalarKind::Sint, 4) => ("i32", "i"),
+        (ScalarKind::Uint, 4) => ("u32", "u"),
+        (ScalarKind::Bool, _) => ("bool", "<bool>"),
+        _ => ("another scalar", "<another scalar>"),
+    };
+    let digit = |size: VectorSize| size as u8;
+    match ty.inner {
+        TypeInner::Scalar(s) => scalar(s).0.to_owned(),
+        TypeInner::Vector { size, scalar: s } => format!("vec{}{}", digit(size), scalar(s).1),
+        TypeInner::Matrix {
+            columns,
+            rows,
+            scalar: s,
+        } => format!("mat{}x{}{}", digit(columns), digit(rows), scalar(s).1),
+        TypeInner::Array { base, .. } => format!("array<{}, …>", type_name(naga, base)),
+        TypeInner::Pointer { base, .. } => format!("ptr<…, {}>", type_name(naga, base)),
+        _ => "another type".to_owned(),
+    }
+}
+
+/// The names of slots' and supplied functions that are called from `from` on.
+fn needs(own: &Slot, naga: &naga::Module, from: &[Handle<Function>]) -> Vec<&'static str> {
+    let outside: Vec<&Signature> = SLOTS
+        .iter()
+        .filter(|slot| *slot != own)
+        .flat_map(|slot| slot.functions)
+        .chain(&SUPPLIED)
+        .collect();
+    let mut found = BTreeSet::new();
+    let mut seen = BTreeSet::new();
+    let mut open = from.to_vec();
+    while let Some(handle) = open.pop() {
+        let function = &naga.functions[handle];
+        let outside = outside
+            .iter()
+            .find(|f| function.name.as_deref() == Some(f.name));
+        if let Some(signature) = outside {
+            found.insert(signature.name);
+        } else if seen.insert(handle) {
+            let calls = function.expressions.iter().filter_map(|(_, e)| match e {
+                Expression::CallResult(called) => Some(*called),
+                _ => None,
+            });
+            open.extend(calls);
+        }
+    }
+    found.into_iter().collect()
+}
+
+/// Checks a whole program, which is not a module: all of its text is generated from checked parts.
+///
+/// # Errors
+/// What naga says, in naga's words.
+pub(crate) fn validate_program(wgsl: &str) -> Result<naga::Module, String> {
+    let module = wgsl::parse_str(wgsl).map_err(|error| error.emit_to_string(wgsl))?;
+    Validator::new(ValidationFlags::all(), Capabilities::empty())
+        .validate(&module)
+        .map_err(|error| error.emit_to_string(wgsl))?;
+    debug_assert!(
+        module
+            .entry_points
+            .iter()
+            .any(|e| e.stage == ShaderStage::Fragment)
+    );
+    Ok(module)
+}

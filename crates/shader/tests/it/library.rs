@@ -1,0 +1,113 @@
+//! Every function of the library, alone and linked.
+
+use std::sync::Arc;
+use strahl_shader::{
+    Fold, Linker, Module, SLOTS, Selection, Texels, built_in, library, ray_loop, slot,
+};
+
+/// One function in every slot, so that everything can be needed.
+fn full() -> Selection {
+    [
+        ("clip_ray", "plane"),
+        ("jitter", "hash"),
+        ("clip_sample", "box"),
+        ("fetch", "texture"),
+        ("reconstruct", "trilinear"),
+        ("classify", "table"),
+        ("gradient_input", "value"),
+        ("gradient", "central"),
+        ("light", "head"),
+        ("illuminate", "blinn_phong"),
+        ("shade", "lit"),
+        ("composite", "front_to_back"),
+    ]
+    .into_iter()
+    .fold(Selection::new(), |selection, (slot, name)| {
+        selection.with(built_in(slot, name).unwrap())
+    })
+}
+
+fn with(modules: &[Arc<Module>]) -> Selection {
+    let mut selection = Selection::new();
+    for slot in &SLOTS {
+        let own: Vec<_> = modules.iter().filter(|m| m.slot() == slot).collect();
+        let of_slot = if own.is_empty() {
+            full().of(slot).to_vec()
+        } else {
+            own.into_iter().cloned().collect()
+        };
+        for module in of_slot {
+            selection = selection.with(module);
+        }
+    }
+    selection
+}
+
+#[test]
+fn every_function_can_be_read() {
+    for module in library() {
+        assert!(!module.meaning().is_empty(), "{}", module.file());
+        for parameter in module.parameters() {
+            assert!(
+                !parameter.meaning.is_empty(),
+                "{}: {}",
+                module.file(),
+                parameter.name
+            );
+        }
+    }
+}
+
+#[test]
+fn every_pair_of_functions_links_to_a_valid_program() {
+    let mut linker = Linker::new();
+    for texels in [Texels::Float, Texels::Unsigned, Texels::Signed] {
+        let skeleton = ray_loop(texels);
+        for (i, a) in library().iter().enumerate() {
+            for b in &library()[i..] {
+                let same_slot = a.slot() == b.slot();
+                if same_slot && a.slot().fold == Fold::One && a != b {
+                    continue;
+                }
+                let modules = if a == b {
+                    vec![a.clone()]
+                } else {
+                    vec![a.clone(), b.clone()]
+                };
+                let circle = a.name() == "opacity" && b.name() == "gradient_table"
+                    || b.name() == "opacity" && a.name() == "gradient_table";
+                match linker.link(&skeleton, &with(&modules)) {
+                    Ok(program) => {
+                        assert_eq!(
+                            program.default_parameters().len(),
+                            program.parameter_bytes() as usize
+                        );
+                    }
+                    Err(error) if circle => {
+                        assert!(error.to_string().contains("in a circle"), "{error}");
+                    }
+                    Err(error) => panic!("{} and {}: {error}", a.file(), b.file()),
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn what_is_not_needed_is_not_there() {
+    let program = Linker::new()
+        .link(
+            &ray_loop(Texels::Float),
+            &with(&[built_in("composite", "average").unwrap()]),
+        )
+        .unwrap();
+    for absent in [
+        "fn gradient(",
+        "fn illuminate(",
+        "fn lighting(",
+        "fn shade(",
+    ] {
+        assert!(!program.wgsl().contains(absent), "{absent}");
+    }
+    assert!(slot("gradient").is_some());
+}

@@ -1,0 +1,104 @@
+//! Which renderer draws, and what a picture has cost there.
+
+use crate::Error;
+use std::ops::ControlFlow;
+use strahl_gpu::{Device, adapters};
+use strahl_scene::{Image, plan::Plan};
+use strahl_volume::Volume;
+
+/// Which renderer draws.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum Backend {
+    /// The graphics processor if there is one, else the processor, with a note that says why. An
+    /// adapter that is itself a program on the processor does not count: ours is faster.
+    Auto,
+    /// The processor: the same bytes on every machine.
+    #[default]
+    Cpu,
+    /// The graphics processor, or an error.
+    Gpu {
+        /// Part of the adapter's name; the best one if not said.
+        adapter: Option<String>,
+    },
+}
+
+/// What a picture has cost.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Stats {
+    /// On the processor.
+    Cpu(strahl_cpu::Stats),
+    /// On the graphics processor.
+    Gpu {
+        /// The adapter that drew.
+        adapter: String,
+        /// What it took.
+        stats: strahl_gpu::Stats,
+    },
+}
+
+impl Stats {
+    /// Drawing alone, without reading and preparing.
+    pub fn draw_seconds(&self) -> f64 {
+        match self {
+            Stats::Cpu(stats) => stats.draw_seconds,
+            Stats::Gpu { stats, .. } => stats.draw_seconds,
+        }
+    }
+}
+
+/// Draws `plan`; `progress` is told the share that is drawn. A note says what was not done as asked.
+pub(crate) fn draw(
+    backend: &Backend,
+    volume: &Volume,
+    plan: &Plan,
+    options: &strahl_cpu::Options,
+    progress: &(dyn Fn(f64) + Sync),
+) -> Result<(Image, Stats, Option<String>), Error> {
+    let on_cpu = || {
+        let drawn = strahl_cpu::Renderer::new(volume).render(plan, options, &|drawn, total| {
+            progress(drawn as f64 / total as f64);
+            ControlFlow::Continue(())
+        })?;
+        Ok((drawn.image, Stats::Cpu(drawn.stats)))
+    };
+    match backend {
+        Backend::Cpu => on_cpu().map(|(image, stats)| (image, stats, None)),
+        Backend::Gpu { adapter } => {
+            let (image, stats) = on_gpu(adapter.as_deref(), volume, plan, progress)?;
+            Ok((image, stats, None))
+        }
+        Backend::Auto => {
+            let hardware = adapters().into_iter().find(|a| !a.is_software);
+            let why = match hardware {
+                None => "there is no graphics processor".to_owned(),
+                Some(adapter) => match on_gpu(Some(&adapter.name), volume, plan, progress) {
+                    Ok((image, stats)) => return Ok((image, stats, None)),
+                    Err(error) => error.to_string(),
+                },
+            };
+            let (image, stats) = on_cpu()?;
+            Ok((image, stats, Some(format!("drawn on the processor: {why}"))))
+        }
+    }
+}
+
+fn on_gpu(
+    adapter: Option<&str>,
+    volume: &Volume,
+    plan: &Plan,
+    progress: &(dyn Fn(f64) + Sync),
+) -> Result<(Image, Stats), strahl_gpu::Error> {
+    let device = Device::open(adapter)?;
+    let drawn = strahl_gpu::Renderer::new(&device, volume)?.render(plan, |drawn, total| {
+        progress(drawn as f64 / total as f64);
+        ControlFlow::Continue(())
+    })?;
+    let adapter = device.adapter().to_string();
+    Ok((
+        drawn.image,
+        Stats::Gpu {
+            adapter,
+            stats: drawn.stats,
+        },
+    ))
+}

@@ -1,0 +1,357 @@
+//! What was typed, checked: each function turns a group of [`crate::flags`] into values that the
+//! library takes.
+
+use crate::flags::{BackendName, DrawFlags, PictureFlags, ReadFlags};
+use anyhow::{Context, Result, anyhow, bail};
+use std::str::FromStr;
+use strahl::scene::{
+    BoxClip, BoxSpace, Endian, Jitter, PlaneClip, PointsIn, Reconstruct, Shading, ShadingModel,
+    ToneMap, VolumeSource,
+};
+use strahl::volume::SampleType;
+use strahl::volume::read::ReadOptions;
+use strahl::{
+    Backend, Background, Camera, Clip, ColorMap, Method, Projection, Scene, TransferFunction, View,
+};
+
+/// How to read a volume: what was typed, put over what a scene says.
+pub fn read_over(flags: &ReadFlags, source: VolumeSource) -> Result<VolumeSource> {
+    let dims = flags.dims.as_deref().map(dims).transpose()?;
+    if let Some(name) = &flags.sample_type
+        && SampleType::from_name(name).is_none()
+    {
+        let names = SampleType::ALL.map(SampleType::name).join(", ");
+        bail!("--type is {name}; known are {names}");
+    }
+    let spacing_mm = flags.spacing.as_deref().map(|text| {
+        let wanted = "one or three lengths in mm, such as 0.5 or 0.4,0.4,1.5";
+        let spacing = match numbers::<f64, 1>("--spacing", text, wanted) {
+            Ok([all]) => [all; 3],
+            Err(_) => numbers::<f64, 3>("--spacing", text, wanted)?,
+        };
+        if !spacing.iter().all(|s| s.is_finite() && *s > 0.0) {
+            bail!("--spacing is {text}; every length has to be above 0");
+        }
+        Ok(spacing)
+    });
+    Ok(VolumeSource {
+        path: source.path,
+        phantom: source.phantom,
+        dims: dims.or(source.dims),
+        time: flags.time.or(source.time),
+        series: flags.series.clone().or(source.series),
+        allow_gaps: flags.allow_gaps.then_some(true).or(source.allow_gaps),
+        sample_type: flags.sample_type.clone().or(source.sample_type),
+        spacing_mm: spacing_mm.transpose()?.or(source.spacing_mm),
+        endian: match flags.endian.as_deref() {
+            Some("big") => Some(Endian::Big),
+            Some(_) => Some(Endian::Little),
+            None => source.endian,
+        },
+        header_bytes: flags.header_bytes.or(source.header_bytes),
+    })
+}
+
+/// The options for reading a volume that no scene speaks of.
+pub fn read_options(flags: &ReadFlags) -> Result<ReadOptions> {
+    let source = VolumeSource {
+        path: Some(String::new()),
+        ..VolumeSource::default()
+    };
+    Ok(read_over(flags, source)?.read_options()?)
+}
+
+/// `--dims`.
+pub fn dims(text: &str) -> Result<[usize; 3]> {
+    let dims = numbers("--dims", text, "three whole numbers, such as 256,256,128")?;
+    if dims.contains(&0) {
+        bail!("--dims is {text}; every dimension has to be at least 1");
+    }
+    Ok(dims)
+}
+
+/// Puts what was typed over `scene`.
+pub fn draw_over(flags: &DrawFlags, scene: &mut Scene) -> Result<()> {
+    look_over(flags, scene)?;
+    let camera = scene.camera.take().unwrap_or_default();
+    let camera = camera_over(flags, camera)?;
+    scene.camera = (camera != Camera::default()).then_some(camera);
+    clips_over(flags, scene)?;
+    if let Some(text) = &flags.size {
+        let size = numbers::<u32, 2>("--size", text, "width and height, such as 1920x1080")?;
+        if !size.iter().all(|pixels| (1..=65_535).contains(pixels)) {
+            bail!("--size is {text}; width and height have to be 1 to 65535");
+        }
+        scene.size = Some(size);
+    }
+    for (flag, step) in [("--step", flags.step), ("--step-voxels", flags.step_voxels)] {
+        if let Some(step) = step
+            && (step.is_nan() || step <= 0.0)
+        {
+            bail!("{flag} is {step}; it has to be above 0");
+        }
+    }
+    if flags.step.is_some() || flags.step_voxels.is_some() {
+        (scene.step_mm, scene.step_voxels) = (flags.step, flags.step_voxels);
+    }
+    scene.jitter = flags.jitter.map(Jitter::Seed).or(scene.jitter);
+    match flags.reconstruct.as_deref() {
+        Some("nearest") => scene.reconstruct = Some(Reconstruct::Nearest),
+        Some(_) => scene.reconstruct = Some(Reconstruct::Trilinear),
+        None => {}
+    }
+    Ok(())
+}
+
+fn look_over(flags: &DrawFlags, scene: &mut Scene) -> Result<()> {
+    if let Some(preset) = &flags.preset {
+        // What a preset decides is the preset's again; scenes out of pictures say all of it.
+        *scene = Scene {
+            preset: Some(preset.clone()),
+            method: None,
+            threshold: None,
+            transfer_function: None,
+            shading: None,
+            lights: None,
+            background: None,
+            display: None,
+            early_termination: None,
+            ..std::mem::take(scene)
+        };
+    }
+    if let Some(method) = parsed::<Method>("--method", &flags.method)? {
+        scene.method = Some(method);
+        if method.is_projection() {
+            // A projection has no surface that the scene's light could fall on.
+            (scene.shading, scene.lights) = (None, None);
+        }
+    }
+    scene.threshold = flags.threshold.or(scene.threshold);
+    let mut function = scene.transfer_function.take().unwrap_or_default();
+    if flags.window.is_some() || flags.level.is_some() {
+        // A window replaces points that count in values, as it does with a preset's.
+        if function.points_in != Some(PointsIn::Window) {
+            (function.points, function.points_in) = (None, None);
+        }
+        function.window = flags.window.or(function.window);
+        function.level = flags.level.or(function.level);
+    }
+    if let Some(map) = parsed::<ColorMap>("--color-map", &flags.color_map)? {
+        function.color_map = Some(map);
+        let points = function.points.iter_mut().flatten();
+        points.for_each(|point| point.color = None);
+    }
+    if let Some(text) = &flags.opacity {
+        let wanted = "one opacity or two, for the low and the high end, each 0 to 1";
+        function.opacity = Some(match numbers::<f64, 1>("--opacity", text, wanted) {
+            Ok([both]) => [both; 2],
+            Err(_) => numbers::<f64, 2>("--opacity", text, wanted)?,
+        });
+        let points = function.points.iter_mut().flatten();
+        points.for_each(|point| point.opacity = None);
+    }
+    scene.transfer_function = (function != TransferFunction::default()).then_some(function);
+    match flags.shade.as_deref() {
+        Some("unlit") => {
+            scene.shading = Some(Shading {
+                model: Some(ShadingModel::Unlit),
+                ..Shading::default()
+            });
+            scene.lights = None;
+        }
+        Some(_) => {
+            scene.shading.get_or_insert_default().model = Some(ShadingModel::BlinnPhong);
+        }
+        None => {}
+    }
+    if flags.transparent {
+        scene.background = Some(Background::Transparent);
+    }
+    if let Some(background) = parsed::<Background>("--background", &flags.background)? {
+        scene.background = Some(background);
+    }
+    if let Some(exposure) = flags.exposure {
+        scene.display.get_or_insert_default().exposure = Some(exposure);
+    }
+    match flags.tone_map.as_deref() {
+        Some("reinhard") => {
+            scene.display.get_or_insert_default().tone_map = Some(ToneMap::Reinhard);
+        }
+        Some(_) => scene.display.get_or_insert_default().tone_map = Some(ToneMap::Clamp),
+        None => {}
+    }
+    Ok(())
+}
+
+fn camera_over(flags: &DrawFlags, scene: Camera) -> Result<Camera> {
+    let mut camera = scene;
+    if let Some(view) = parsed::<View>("--view", &flags.view)? {
+        // A new orbit; what is kept does not say from where.
+        camera = Camera {
+            view: Some(view),
+            projection: scene.projection,
+            focus: scene.focus,
+            view_angle_deg: scene.view_angle_deg,
+            height_mm: scene.height_mm,
+            ..Camera::default()
+        };
+    }
+    if flags.azimuth.is_some() || flags.elevation.is_some() {
+        (camera.position, camera.up) = (None, None);
+        camera.azimuth_deg = flags.azimuth.or(camera.azimuth_deg);
+        camera.elevation_deg = flags.elevation.or(camera.elevation_deg);
+    }
+    if let Some(text) = &flags.position {
+        camera.position = Some(numbers("--position", text, POINT)?);
+        (camera.view, camera.azimuth_deg, camera.elevation_deg) = (None, None, None);
+    }
+    if let Some(text) = &flags.focus {
+        camera.focus = Some(numbers("--focus", text, POINT)?);
+    }
+    if let Some(name) = &flags.projection {
+        let projection = match name.as_str() {
+            "orthographic" => Projection::Orthographic,
+            _ => Projection::Perspective,
+        };
+        if camera.projection.unwrap_or(Projection::Perspective) != projection {
+            // Each projection has its own measure of how much is seen.
+            (camera.view_angle_deg, camera.height_mm) = (None, None);
+        }
+        camera.projection = Some(projection);
+    }
+    camera.zoom = flags.zoom.or(camera.zoom);
+    Ok(camera)
+}
+
+const POINT: &str = "three numbers in RAS mm, such as 10,-20,35.5";
+
+fn clips_over(flags: &DrawFlags, scene: &mut Scene) -> Result<()> {
+    let mut clips = Vec::new();
+    for text in &flags.clip_plane {
+        let wanted = "a normal and, if wanted, a distance in mm, such as 0,0,1 or 0,0,1,-20";
+        let plane = match numbers::<f64, 3>("--clip-plane", text, wanted) {
+            Ok(normal) => PlaneClip {
+                normal,
+                ..PlaneClip::default()
+            },
+            Err(_) => {
+                let [x, y, z, distance_mm] = numbers("--clip-plane", text, wanted)?;
+                PlaneClip {
+                    normal: [x, y, z],
+                    distance_mm: Some(distance_mm),
+                    point: None,
+                }
+            }
+        };
+        clips.push(Clip::Plane(plane));
+    }
+    for text in &flags.clip_box {
+        let wanted = "two corners, such as -40,-50,0,40,50,90";
+        let [x0, y0, z0, x1, y1, z1] = numbers::<f64, 6>("--clip-box", text, wanted)?;
+        clips.push(Clip::Box(BoxClip {
+            min: [x0.min(x1), y0.min(y1), z0.min(z1)],
+            max: [x0.max(x1), y0.max(y1), z0.max(z1)],
+            space: match flags.clip_space.as_deref() {
+                Some("voxels") => Some(BoxSpace::Voxels),
+                Some("fraction") => Some(BoxSpace::Fraction),
+                _ => None,
+            },
+            ..BoxClip::default()
+        }));
+    }
+    if !clips.is_empty() {
+        scene.clips.get_or_insert_default().extend(clips);
+    }
+    Ok(())
+}
+
+/// A name or colour that the library reads.
+fn parsed<T: FromStr<Err = String>>(flag: &str, text: &Option<String>) -> Result<Option<T>> {
+    let value = text.as_deref().map(str::parse::<T>).transpose();
+    value.map_err(|why| anyhow!("{flag}: {why}"))
+}
+
+/// Exactly `N` numbers with `,`, `x`, `×` or `:` between.
+fn numbers<T: FromStr, const N: usize>(flag: &str, text: &str, wanted: &str) -> Result<[T; N]> {
+    let parts: Vec<T> = text
+        .split([',', 'x', 'X', '×', ':'])
+        .map(|part| part.trim().parse().ok())
+        .collect::<Option<_>>()
+        .with_context(|| format!("{flag} is {text}; it has to be {wanted}"))?;
+    match parts.try_into() {
+        Ok(parts) => Ok(parts),
+        Err(_) => bail!("{flag} is {text}; it has to be {wanted}"),
+    }
+}
+
+/// Which renderer draws.
+pub fn backend(flags: &PictureFlags) -> Result<Backend> {
+    Ok(match (flags.backend, &flags.adapter) {
+        (BackendName::Auto, None) => Backend::Auto,
+        (BackendName::Cpu, None) => Backend::Cpu,
+        (BackendName::Gpu, adapter) => Backend::Gpu {
+            adapter: adapter.clone(),
+        },
+        (_, Some(adapter)) => {
+            bail!("--adapter is {adapter}, which needs --backend gpu")
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_taken_with_the_usual_separators() {
+        for text in ["256,128,64", "256x128x64", "256X128×64", " 256, 128, 64"] {
+            let found = numbers::<usize, 3>("--dims", text, "").unwrap();
+            assert_eq!(found, [256, 128, 64], "{text}");
+        }
+        for text in ["256", "256,128", "1,2,3,4", "a,b,c", "", "1,,3", "-1,2,3"] {
+            assert!(numbers::<usize, 3>("--dims", text, "").is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn wrong_reading_flags_say_what_would_be_right() {
+        let message = |flags: ReadFlags| read_options(&flags).unwrap_err().to_string();
+        let text = |text: &str| Some(text.to_owned());
+        let found = message(ReadFlags {
+            dims: text("256,0,3"),
+            ..Default::default()
+        });
+        assert_eq!(
+            found,
+            "--dims is 256,0,3; every dimension has to be at least 1"
+        );
+        let found = message(ReadFlags {
+            sample_type: text("u12"),
+            ..Default::default()
+        });
+        assert_eq!(
+            found,
+            "--type is u12; known are u8, i8, u16, i16, u32, i32, f32, f64"
+        );
+        let found = message(ReadFlags {
+            spacing: text("0.5,0,1"),
+            ..Default::default()
+        });
+        assert_eq!(
+            found,
+            "--spacing is 0.5,0,1; every length has to be above 0"
+        );
+    }
+
+    #[test]
+    fn one_spacing_counts_for_all_axes() {
+        let flags = ReadFlags {
+            spacing: Some("0.5".into()),
+            endian: Some("big".into()),
+            ..Default::default()
+        };
+        let options = read_options(&flags).unwrap();
+        assert_eq!(options.spacing_mm, Some([0.5; 3]));
+        assert!(options.raw.big_endian);
+    }
+}

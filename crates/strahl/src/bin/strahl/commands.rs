@@ -1,0 +1,46 @@
+//! The work behind each command.
+
+mod convert;
+mod draw;
+mod info;
+mod presets;
+mod scene;
+mod shader;
+
+use crate::args;
+use crate::flags::{Command, CompletionsFlags, Flags, ReadFlags};
+use crate::print;
+use crate::progress::Progress;
+use anyhow::Result;
+use clap::CommandFactory;
+use std::path::PathBuf;
+use strahl::volume::read::Loaded;
+
+/// Does what was typed.
+pub fn run(flags: Flags) -> Result<()> {
+    let quiet = flags.quiet;
+    match flags.command {
+        Command::Render(flags) => draw::render(&flags, quiet),
+        Command::Demo(flags) => draw::demo(&flags, quiet),
+        Command::Info(flags) => info::run(&flags, quiet),
+        Command::Convert(flags) => convert::run(&flags, quiet),
+        Command::Scene(command) => scene::run(&command, quiet),
+        Command::Shader(command) => shader::run(&command),
+        Command::Presets(flags) => presets::run(&flags),
+        Command::Completions(flags) => completions(&flags),
+    }
+}
+
+fn completions(flags: &CompletionsFlags) -> Result<()> {
+    let mut script = Vec::new();
+    clap_complete::generate(flags.shell, &mut Flags::command(), "strahl", &mut script);
+    print::out(&String::from_utf8_lossy(&script))
+}
+
+/// Reads a volume with progress; its notes are left to the caller.
+fn load(paths: &[PathBuf], flags: &ReadFlags, quiet: bool) -> Result<Loaded> {
+    let options = args::read_options(flags)?;
+    let progress = Progress::new("reading", quiet);
+    let loaded = strahl::load_with_progress(paths, &options, &|part| progress.update(part));
+    Ok(loaded?)
+}

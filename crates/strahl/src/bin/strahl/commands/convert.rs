@@ -1,0 +1,62 @@
+//! `strahl convert`: a volume in another format.
+
+use super::load;
+use crate::flags::ConvertFlags;
+use crate::print;
+use crate::progress::Progress;
+use anyhow::{Context, Result};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use strahl::Output;
+use strahl::volume::write::{Format, NewFiles, WriteOptions, write};
+
+pub fn run(flags: &ConvertFlags, quiet: bool) -> Result<()> {
+    let path = &flags.output;
+    let name = path
+        .file_name()
+        .and_then(|name| name.to_str())
+        .with_context(|| format!("{}: not the name of a file", path.display()))?;
+    // Both before the long work.
+    Format::of_name(name)?;
+    drop(Output::create(path)?);
+    let loaded = load(&flags.inputs, &flags.read, quiet)?;
+    for note in &loaded.notes {
+        print::note(note, quiet);
+    }
+    let options = WriteOptions {
+        compress: !flags.uncompressed,
+        labels: loaded.labels,
+    };
+    let progress = Progress::new("writing", quiet);
+    let mut files = Outputs {
+        folder: path.parent().unwrap_or(Path::new("")).to_owned(),
+        outputs: Vec::new(),
+    };
+    write(name, &loaded.volume, &options, &mut files)?;
+    for output in files.outputs {
+        output.finish()?;
+    }
+    drop(progress);
+    if !quiet {
+        let [x, y, z] = loaded.volume.grid().dims();
+        eprintln!("wrote {}: {x} × {y} × {z} voxels", path.display());
+    }
+    Ok(())
+}
+
+/// New files that get their names when all of them are complete.
+struct Outputs {
+    folder: PathBuf,
+    outputs: Vec<Output>,
+}
+
+impl NewFiles for Outputs {
+    fn create(&mut self, name: &str) -> io::Result<Box<dyn Write + '_>> {
+        let output = Output::create(&self.folder.join(name)).map_err(io::Error::other)?;
+        self.outputs.push(output);
+        match self.outputs.last_mut() {
+            Some(output) => Ok(Box::new(output)),
+            None => Err(io::ErrorKind::NotFound.into()),
+        }
+    }
+}

@@ -1,0 +1,161 @@
+//! `strahl render` and `strahl demo`: a picture.
+
+use crate::args;
+use crate::flags::{DemoFlags, DrawFlags, PictureFlags, ReadFlags, RenderFlags, StatsFormat};
+use crate::print;
+use crate::progress::{Progress, Stages};
+use anyhow::{Result, bail};
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+use strahl::scene::VolumeSource;
+use strahl::volume::Phantom;
+use strahl::{Encoding, Output, Picture, Render, Scene, SceneFile, Stats};
+
+pub fn render(flags: &RenderFlags, quiet: bool) -> Result<()> {
+    let subject = subject(&flags.inputs, &flags.read, quiet)?;
+    draw(subject, &flags.draw, &flags.file, &flags.output, quiet)
+}
+
+/// What `strahl demo` draws when nobody says how: the anatomy phantom, cut open.
+const CUT_OPEN: &str = include_str!("../demo.json");
+
+pub fn demo(flags: &DemoFlags, quiet: bool) -> Result<()> {
+    let look_is_said = flags.draw.preset.is_some() || flags.draw.method.is_some();
+    let mut scene = if flags.phantom == Phantom::Anatomy.name() && !look_is_said {
+        Scene::parse("demo.json", CUT_OPEN)?
+    } else {
+        Scene::default()
+    };
+    scene.volume = Some(VolumeSource {
+        phantom: Some(flags.phantom.clone()),
+        dims: flags.dims.as_deref().map(args::dims).transpose()?,
+        ..VolumeSource::default()
+    });
+    let subject = Render::scene(scene);
+    draw(subject, &flags.draw, &flags.file, &flags.output, quiet)
+}
+
+/// What the files that were named ask to draw: a volume, a scene, or a scene with another volume.
+pub fn subject(inputs: &[PathBuf], read: &ReadFlags, quiet: bool) -> Result<Render<'static>> {
+    let [first, others @ ..] = inputs else {
+        bail!("no scene and no volume is named");
+    };
+    let mut source = VolumeSource::default();
+    let render = match SceneFile::open(first)? {
+        Some(file) => {
+            if let Some(software) = file.software.as_ref().filter(|s| **s != strahl::SOFTWARE) {
+                print::note(
+                    &format!(
+                        "{} was made by {software}, this is {}; it may look different",
+                        first.display(),
+                        strahl::SOFTWARE
+                    ),
+                    quiet,
+                );
+            }
+            if others.is_empty() {
+                source = file.scene.volume.clone().unwrap_or_default();
+            }
+            let render = Render::scene_file(file);
+            match others {
+                [] => render,
+                _ => render.with_files(others.to_vec()),
+            }
+        }
+        None => Render::files(inputs.to_vec()),
+    };
+    let source = args::read_over(read, source)?;
+    let said = source != VolumeSource::default();
+    Ok(render.with(|scene| scene.volume = said.then_some(source)))
+}
+
+fn draw(
+    subject: Render,
+    flags: &DrawFlags,
+    file: &PictureFlags,
+    path: &Path,
+    quiet: bool,
+) -> Result<()> {
+    let start = Instant::now();
+    let encoding = Encoding::for_path(path, file.bits)?;
+    let subject = over(subject, flags)?;
+    // Before the long work, so that a place that cannot be written is found first.
+    let output = Output::create(path)?;
+    let stages = Stages::new(quiet);
+    let progress = |stage, part| stages.update(stage, part);
+    let picture = subject
+        .threads(file.threads.unwrap_or(0))
+        .backend(args::backend(file)?)
+        .progress(&progress)
+        .picture()?;
+    drop(stages);
+    let write_start = Instant::now();
+    let writing = Progress::new("writing", quiet);
+    picture.write(encoding, output)?;
+    drop(writing);
+    let write_seconds = write_start.elapsed().as_secs_f64();
+    for note in &picture.notes {
+        print::note(note, quiet);
+    }
+    let total_seconds = start.elapsed().as_secs_f64();
+    if !quiet {
+        let (width, height) = (picture.image.width(), picture.image.height());
+        let path = path.display();
+        eprintln!("wrote {path}: {width} × {height} pixels in {total_seconds:.1} s");
+    }
+    if let Some(StatsFormat::Json) = file.stats {
+        let stats = stats(path, &picture, write_seconds, total_seconds);
+        print::out(&(serde_json::to_string_pretty(&stats)? + "\n"))?;
+    }
+    Ok(())
+}
+
+/// `subject` with what was typed put over its scene.
+pub fn over<'a>(subject: Render<'a>, flags: &DrawFlags) -> Result<Render<'a>> {
+    let mut result = Ok(());
+    let subject = subject.with(|scene| result = args::draw_over(flags, scene));
+    result.map(|()| subject)
+}
+
+/// What `--stats json` prints; `docs/cli.md` explains the fields.
+fn stats(path: &Path, picture: &Picture, write_seconds: f64, total_seconds: f64) -> Value {
+    let mut all = json!({
+        "picture": path.display().to_string(),
+        "width": picture.image.width(),
+        "height": picture.image.height(),
+        "preset": picture.scene.preset,
+        "method": picture.scene.method,
+    });
+    let mut seconds = json!({
+        "read": picture.read_seconds,
+        "draw": picture.stats.draw_seconds(),
+        "write": write_seconds,
+        "total": total_seconds,
+    });
+    match &picture.stats {
+        Stats::Cpu(stats) => {
+            all["backend"] = "cpu".into();
+            all["threads"] = stats.threads.into();
+            seconds["bricks"] = stats.bricks_seconds.into();
+            seconds["prepare"] = stats.prepare_seconds.into();
+            all["rays"] = stats.rays.into();
+            all["rays_in_volume"] = stats.rays_in_volume.into();
+            all["rays_ended_early"] = stats.rays_ended_early.into();
+            all["lattice_points"] = stats.lattice_points.into();
+            all["samples"] = stats.samples.into();
+            all["samples_visible"] = stats.samples_visible.into();
+            all["points_skipped"] = stats.points_skipped.into();
+            all["skipped_mm"] = stats.skipped_mm.into();
+        }
+        Stats::Gpu { adapter, stats } => {
+            all["backend"] = "gpu".into();
+            all["adapter"] = adapter.as_str().into();
+            seconds["upload"] = stats.upload_seconds.into();
+            seconds["link"] = stats.link_seconds.into();
+            seconds["prepare"] = stats.prepare_seconds.into();
+        }
+    }
+    all["seconds"] = seconds;
+    all
+}

@@ -1,0 +1,258 @@
+//! `strahl info`: what is in a volume file.
+
+use super::load;
+use crate::flags::InfoFlags;
+use crate::print::{self, number};
+use anyhow::Result;
+use serde_json::{Value, json};
+use std::fmt::Write as _;
+use strahl::volume::read::Loaded;
+use strahl::volume::{Grid, Modality, Statistics};
+
+/// Shares of the voxels whose values are printed.
+const QUANTILES: [f64; 5] = [0.01, 0.25, 0.5, 0.75, 0.99];
+
+pub fn run(flags: &InfoFlags, quiet: bool) -> Result<()> {
+    if flags.adapters {
+        return adapters(flags.json);
+    }
+    let name = match flags.volume.as_slice() {
+        [one] => one.display().to_string(),
+        [first, ..] => format!("{} and {} more", first.display(), flags.volume.len() - 1),
+        [] => String::new(),
+    };
+    let loaded = load(&flags.volume, &flags.read, quiet)?;
+    if flags.json {
+        let json = serde_json::to_string_pretty(&as_json(&name, &loaded))?;
+        print::out(&(json + "\n"))
+    } else {
+        print::out(&as_text(&name, &loaded))
+    }
+}
+
+/// The graphics adapters, the best first.
+fn adapters(json: bool) -> Result<()> {
+    let adapters = strahl::gpu::adapters();
+    if json {
+        let list: Vec<Value> = adapters
+            .iter()
+            .map(|a| json!({"name": a.name, "backend": a.backend, "driver": a.driver, "software": a.is_software}))
+            .collect();
+        return print::out(&(serde_json::to_string_pretty(&list)? + "\n"));
+    }
+    if adapters.is_empty() {
+        return print::out(&format!("{}\n", strahl::gpu::Error::NoAdapter));
+    }
+    print::out(
+        &adapters
+            .iter()
+            .map(|a| format!("{a}\n"))
+            .collect::<String>(),
+    )
+}
+
+fn as_text(name: &str, loaded: &Loaded) -> String {
+    let volume = &loaded.volume;
+    let (grid, metadata, statistics) = (volume.grid(), volume.metadata(), volume.statistics());
+    let mut rows: Vec<(&str, String)> = Vec::new();
+    let mut row = |key, value: String| rows.push((key, value));
+
+    row("format", metadata.format.clone());
+    if !metadata.name.is_empty() && !name.ends_with(&metadata.name) {
+        row("name", metadata.name.clone());
+    }
+    let dims = grid.dims().map(|n| n.to_string()).join(" × ");
+    let stored = volume.samples().as_bytes().len() as u64;
+    let voxels = number(grid.voxel_count() as f64);
+    row(
+        "dimensions",
+        format!("{dims} ({voxels} voxels, {})", print::bytes(stored)),
+    );
+    let rescale = volume.rescale();
+    let meaning = match (rescale.slope, rescale.intercept) {
+        (1.0, 0.0) => String::new(),
+        (slope, intercept) => format!(", value = {slope} · stored + {intercept}"),
+    };
+    row("type", format!("{}{meaning}", volume.sample_type()));
+    let unit = if metadata.has_length_unit {
+        "mm"
+    } else {
+        "(no unit in the file; taken as mm)"
+    };
+    let triple = |v: [f64; 3]| v.map(number).join(" × ");
+    row(
+        "spacing",
+        format!("{} {unit}", triple(grid.spacing_mm().to_array())),
+    );
+    let (lo, hi) = grid.bounds_mm();
+    row("extent", format!("{} mm", triple((hi - lo).to_array())));
+    row("orientation", orientation(grid));
+    let matrix = matrix(grid);
+    for (i, key) in ["world from", "  voxel", ""].into_iter().enumerate() {
+        let [a, b, c, d] = matrix[i].map(|v| format!("{v:>10.4}"));
+        row(key, format!("{a} {b} {c} {d}"));
+    }
+    if let Some(modality) = metadata.modality {
+        row("modality", modality_name(modality).into());
+    }
+    if metadata.time_points > 1 {
+        let (index, count) = (metadata.time_index, metadata.time_points);
+        row("time point", format!("{index} of 0 to {}", count - 1));
+    }
+    let unit = metadata
+        .value_unit
+        .as_ref()
+        .map(|u| format!(" {u}"))
+        .unwrap_or_default();
+    let [lo, hi] = statistics.range.map(number);
+    row("values", format!("{lo} to {hi}{unit}"));
+    if statistics.not_finite > 0 {
+        row("not finite", number(statistics.not_finite as f64));
+    }
+    let quantiles = QUANTILES
+        .map(|q| format!("{}%: {}", q * 100.0, number(statistics.quantile(q))))
+        .join("   ");
+    row("quantiles", quantiles);
+
+    let mut text = format!("{name}\n");
+    for (key, value) in rows {
+        let _ = writeln!(text, "  {key:<12} {value}");
+    }
+    text.push_str(&histogram(statistics));
+    if !metadata.entries.is_empty() {
+        text.push_str("\n  from the header:\n");
+        for (key, value) in &metadata.entries {
+            let _ = writeln!(text, "    {key}: {value}");
+        }
+    }
+    if let Some(labels) = &loaded.labels {
+        let _ = writeln!(text, "\n  {} labels:", labels.len());
+        for label in labels {
+            let _ = writeln!(text, "    {:>5}  {}", label.id, label.name);
+        }
+    }
+    for note in &loaded.notes {
+        let _ = writeln!(text, "\n  note: {note}");
+    }
+    text
+}
+
+/// `RAS` and what it means.
+fn orientation(grid: &Grid) -> String {
+    let code = grid.orientation();
+    let words: Vec<_> = code
+        .chars()
+        .map(|c| match c {
+            'R' => "right",
+            'L' => "left",
+            'A' => "front",
+            'P' => "back",
+            'S' => "head",
+            _ => "feet",
+        })
+        .collect();
+    format!(
+        "{code} (x, y, z run towards the patient's {})",
+        words.join(", ")
+    )
+}
+
+/// Eight rows of text; logarithmic, since air would hide everything else.
+fn histogram(statistics: &Statistics) -> String {
+    const COLUMNS: usize = 64;
+    const ROWS: usize = 6;
+    const BLOCKS: [char; 9] = [' ', '▁', '▂', '▃', '▄', '▅', '▆', '▇', '█'];
+    let bins = statistics.histogram.len();
+    let columns = COLUMNS.min(bins);
+    let mut counts = vec![0u64; columns];
+    for (bin, count) in statistics.histogram.iter().enumerate() {
+        counts[bin * columns / bins] += count;
+    }
+    let log = |count: u64| ((count + 1) as f64).ln();
+    let most = counts
+        .iter()
+        .map(|&c| log(c))
+        .fold(f64::MIN_POSITIVE, f64::max);
+    let mut text = String::from("  histogram (logarithmic)\n");
+    for row in (0..ROWS).rev() {
+        let line: String = counts
+            .iter()
+            .map(|&count| {
+                let height = log(count) / most * (ROWS * 8) as f64;
+                let mut eighths = (height.round() as usize).saturating_sub(row * 8).min(8);
+                if row == 0 && count > 0 {
+                    eighths = eighths.max(1);
+                }
+                BLOCKS[eighths]
+            })
+            .collect();
+        let _ = writeln!(text, "    {}", line.trim_end());
+    }
+    let [lo, hi] = statistics.range.map(number);
+    let gap = columns
+        .saturating_sub(lo.chars().count() + hi.chars().count())
+        .max(1);
+    let _ = writeln!(text, "    {lo}{}{hi}", " ".repeat(gap));
+    text
+}
+
+fn matrix(grid: &Grid) -> [[f64; 4]; 4] {
+    let (m, t) = (
+        grid.world_from_voxel().matrix3,
+        grid.world_from_voxel().translation,
+    );
+    let row = |i: usize| [m.x_axis[i], m.y_axis[i], m.z_axis[i], t[i]];
+    [row(0), row(1), row(2), [0.0, 0.0, 0.0, 1.0]]
+}
+
+fn modality_name(modality: Modality) -> &'static str {
+    match modality {
+        Modality::Ct => "CT",
+        Modality::Mr => "MR",
+        Modality::Nuclear => "nuclear medicine",
+        Modality::Ultrasound => "ultrasound",
+        Modality::Microscopy => "microscopy",
+        Modality::Simulation => "simulation",
+    }
+}
+
+fn as_json(name: &str, loaded: &Loaded) -> Value {
+    let volume = &loaded.volume;
+    let (grid, metadata, statistics) = (volume.grid(), volume.metadata(), volume.statistics());
+    let (lo, hi) = grid.bounds_mm();
+    let quantiles = QUANTILES.map(|q| json!([q, statistics.quantile(q)]));
+    let entries = metadata
+        .entries
+        .iter()
+        .map(|(key, value)| json!([key, value]));
+    let labels = loaded.labels.as_ref().map(|labels| {
+        let label =
+            |l: &strahl::volume::Label| json!({"id": l.id, "name": l.name, "color": l.color});
+        labels.iter().map(label).collect::<Vec<_>>()
+    });
+    json!({
+        "file": name,
+        "format": metadata.format,
+        "name": metadata.name,
+        "dims": grid.dims(),
+        "type": volume.sample_type().name(),
+        "slope": volume.rescale().slope,
+        "intercept": volume.rescale().intercept,
+        "spacing_mm": grid.spacing_mm().to_array(),
+        "has_length_unit": metadata.has_length_unit,
+        "orientation": grid.orientation(),
+        "world_from_voxel": matrix(grid),
+        "bounds_mm": [lo.to_array(), hi.to_array()],
+        "modality": metadata.modality.map(modality_name),
+        "value_unit": metadata.value_unit,
+        "time_points": metadata.time_points,
+        "time_index": metadata.time_index,
+        "range": statistics.range,
+        "quantiles": quantiles,
+        "not_finite": statistics.not_finite,
+        "histogram": statistics.histogram,
+        "metadata": entries.collect::<Vec<_>>(),
+        "labels": labels,
+        "notes": loaded.notes,
+    })
+}

@@ -1,0 +1,34 @@
+//! The `strahl` command line.
+//!
+//! A call goes through three layers: [`flags`] is the table of everything that can be typed,
+//! [`args`] turns what was typed into checked values, and [`commands`] does the work, one file per
+//! command. Exit codes: 0 done, 1 failed (one message on stderr), 2 wrong usage, 130 interrupted.
+
+mod args;
+mod commands;
+mod flags;
+mod print;
+mod progress;
+
+use clap::Parser;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let flags = flags::Flags::parse();
+    // An interrupt may come at any time, also while a file is read or written. Whatever is
+    // unfinished is removed from here, so that nothing else has to check.
+    let handler = ctrlc::set_handler(|| {
+        strahl::abandon_outputs();
+        std::process::exit(130);
+    });
+    if let Err(error) = handler {
+        eprintln!("warning: an interrupt may leave a temporary file: {error}");
+    }
+    match commands::run(flags) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {}", print::chain(&error));
+            ExitCode::FAILURE
+        }
+    }
+}

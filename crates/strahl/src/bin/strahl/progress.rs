@@ -1,0 +1,158 @@
+//! Progress on stderr: a bar on a terminal, plain lines elsewhere, nothing for the first half second.
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::io::IsTerminal;
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::{Arc, Mutex, OnceLock};
+use std::thread;
+use std::time::Duration;
+use strahl::Stage;
+
+/// What takes less is not worth a word.
+const PATIENCE: Duration = Duration::from_millis(500);
+/// Percent between two plain lines.
+const PLAIN_STEP: u32 = 20;
+/// No part has been told yet; some work has none to tell.
+const UNKNOWN: u32 = u32::MAX;
+
+/// The progress of one long piece of work, from its making to its drop. Can be told from many
+/// threads.
+pub struct Progress(Option<Arc<State>>);
+
+struct State {
+    what: &'static str,
+    percent: AtomicU32,
+    shown: Mutex<Shown>,
+}
+
+enum Shown {
+    NotYet,
+    Bar(ProgressBar),
+    /// The percentage that was printed last.
+    Line(u32),
+    Over,
+}
+
+impl Progress {
+    /// Starts the clock; `what` is a word such as `drawing`.
+    pub fn new(what: &'static str, quiet: bool) -> Progress {
+        if quiet {
+            return Progress(None);
+        }
+        let state = Arc::new(State {
+            what,
+            percent: UNKNOWN.into(),
+            shown: Mutex::new(Shown::NotYet),
+        });
+        let later = Arc::downgrade(&state);
+        thread::spawn(move || {
+            thread::sleep(PATIENCE);
+            if let Some(state) = later.upgrade() {
+                state.show();
+            }
+        });
+        Progress(Some(state))
+    }
+
+    /// Says that `part` (0 to 1) of the work is done.
+    pub fn update(&self, part: f64) {
+        let Some(state) = &self.0 else { return };
+        let percent = (part.clamp(0.0, 1.0) * 100.0) as u32;
+        state.percent.store(percent, Ordering::Relaxed);
+        // Another thread is drawing: its number is as good.
+        let Ok(mut shown) = state.shown.try_lock() else {
+            return;
+        };
+        match &mut *shown {
+            Shown::Bar(bar) => {
+                if bar.length().is_none() {
+                    bar.set_length(100);
+                    bar.set_style(style("{msg} {bar:40} {percent:>3}% {eta}"));
+                }
+                bar.set_position(percent.into());
+            }
+            Shown::Line(last) if percent >= *last + PLAIN_STEP => {
+                eprintln!("{} {percent}%", state.what);
+                *last = percent;
+            }
+            Shown::NotYet | Shown::Line(_) | Shown::Over => {}
+        }
+    }
+
+    /// Ends it: removes the bar, so that what is printed next starts on a clean line.
+    fn clear(&self) {
+        if let Some(state) = &self.0
+            && let Ok(mut shown) = state.shown.lock()
+            && let Shown::Bar(bar) = std::mem::replace(&mut *shown, Shown::Over)
+        {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+impl State {
+    fn show(&self) {
+        let Ok(mut shown) = self.shown.lock() else {
+            return;
+        };
+        if matches!(*shown, Shown::Over) {
+            return;
+        }
+        let percent = self.percent.load(Ordering::Relaxed);
+        *shown = if std::io::stderr().is_terminal() {
+            let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
+            bar.set_style(style("{msg} {spinner}"));
+            bar.set_message(self.what);
+            bar.enable_steady_tick(Duration::from_millis(100));
+            Shown::Bar(bar)
+        } else if percent == UNKNOWN {
+            eprintln!("{} …", self.what);
+            Shown::Line(0)
+        } else {
+            eprintln!("{} {percent}%", self.what);
+            Shown::Line(percent)
+        };
+    }
+}
+
+fn style(template: &str) -> ProgressStyle {
+    ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar())
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.clear();
+    }
+}
+
+/// The progress of a picture, one bar per stage.
+pub struct Stages {
+    reading: Progress,
+    drawing: OnceLock<Progress>,
+    quiet: bool,
+}
+
+impl Stages {
+    /// Starts the clock.
+    pub fn new(quiet: bool) -> Stages {
+        Stages {
+            reading: Progress::new("reading", quiet),
+            drawing: OnceLock::new(),
+            quiet,
+        }
+    }
+
+    /// Says that `part` (0 to 1) of a stage is done.
+    pub fn update(&self, stage: Stage, part: f64) {
+        match stage {
+            Stage::Reading => self.reading.update(part),
+            Stage::Drawing => {
+                let drawing = self.drawing.get_or_init(|| {
+                    self.reading.clear();
+                    Progress::new("drawing", self.quiet)
+                });
+                drawing.update(part);
+            }
+        }
+    }
+}

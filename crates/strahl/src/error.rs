@@ -1,0 +1,92 @@
+//! What can go wrong between a path and a picture.
+
+use std::path::{Path, PathBuf};
+use std::{fmt, io};
+
+/// An error of the front: which step failed and on which file.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The operating system could not find, read, create or rename a file.
+    #[error("{}: {}", .path.display(), Reason(.error))]
+    Path {
+        /// The file or folder.
+        path: PathBuf,
+        /// What the system said.
+        error: io::Error,
+    },
+    /// A file or folder is not what it has to be here.
+    #[error("{}: {why}", .path.display())]
+    NotUsable {
+        /// The file or folder.
+        path: PathBuf,
+        /// What it is, and what would be right.
+        why: String,
+    },
+    /// The volume cannot be read, or is not one.
+    #[error(transparent)]
+    Volume(#[from] strahl_volume::Error),
+    /// The text of a scene file is not a scene.
+    #[error(transparent)]
+    Scene(#[from] strahl_scene::Error),
+    /// The scene asks for something that cannot be drawn; every reason at once.
+    #[error("{}{problems}", Named(.file))]
+    Problems {
+        /// The file that the scene comes from, if it comes from one.
+        file: Option<PathBuf>,
+        /// What is wrong.
+        problems: strahl_scene::Problems,
+    },
+    /// No picture was drawn.
+    #[error(transparent)]
+    Draw(#[from] strahl_cpu::Error),
+    /// No picture was drawn on the graphics processor.
+    #[error(transparent)]
+    Gpu(#[from] strahl_gpu::Error),
+    /// The picture cannot be stored as asked, or a picture file cannot be read.
+    #[error("{0}")]
+    Picture(String),
+}
+
+impl Error {
+    pub(crate) fn path(path: &Path, error: io::Error) -> Error {
+        Error::Path {
+            path: path.to_owned(),
+            error,
+        }
+    }
+
+    pub(crate) fn not_usable(path: &Path, why: impl Into<String>) -> Error {
+        Error::NotUsable {
+            path: path.to_owned(),
+            why: why.into(),
+        }
+    }
+}
+
+/// A file name in front of what is wrong with it.
+struct Named<'a>(&'a Option<PathBuf>);
+
+impl fmt::Display for Named<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            Some(path) => write!(f, "{}: ", path.display()),
+            None => Ok(()),
+        }
+    }
+}
+
+/// The system's words without its error number, for the cases that people meet.
+struct Reason<'a>(&'a io::Error);
+
+impl fmt::Display for Reason<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0.kind() {
+            io::ErrorKind::NotFound => f.write_str("no such file or folder"),
+            io::ErrorKind::PermissionDenied => f.write_str("permission denied"),
+            io::ErrorKind::ReadOnlyFilesystem => f.write_str("the file system is read-only"),
+            io::ErrorKind::StorageFull => f.write_str("no space is left on the device"),
+            _ => self.0.fmt(f),
+        }
+    }
+}

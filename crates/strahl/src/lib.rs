@@ -1,0 +1,84 @@
+//! Strahl, a volume renderer for scalar grids: a scan in, a right picture out.
+//!
+//! The shortest way is one call; it finds the kind of file from its bytes, and preset, window and
+//! camera from the data:
+//!
+//! ```no_run
+//! strahl::render_file("head.nii.gz", "head.png")?;
+//! # Ok::<(), strahl::Error>(())
+//! ```
+//!
+//! [`Render`] is the same with everything that can be said: a volume from a file, from memory or a
+//! built-in [`Phantom`], a preset, a camera, a transfer function.
+//!
+//! ```
+//! use strahl::{Background, Method, Phantom, Render, View};
+//!
+//! let picture = Render::phantom(Phantom::Tree)
+//!     .method(Method::Mip)
+//!     .view(View::Top)
+//!     .background(Background::Transparent)
+//!     .size(80, 60)
+//!     .picture()?;
+//! // Linear, premultiplied light; `picture.save("tree.png")` makes a file of it.
+//! let brightest = picture.image.pixels().iter().map(|p| p[1]).fold(0.0, f32::max);
+//! assert!(brightest > 0.5);
+//! # Ok::<(), strahl::Error>(())
+//! ```
+//!
+//! # What lies below
+//!
+//! | step | what does it |
+//! |---|---|
+//! | bytes → [`Volume`] | [`load`], the readers in [`volume::read`] |
+//! | text → [`Scene`] | [`Scene::parse`], [`SceneFile::open`] |
+//! | scene + header → [`Plan`](scene::plan::Plan) | [`scene::resolve`]: every problem at once, or none |
+//! | plan + voxels → [`Image`] | [`cpu::Renderer`] |
+//! | image → file | [`write_picture`] into an [`Output`], whole or not at all |
+//!
+//! World space is the patient's (RAS, mm). A picture is the same, byte for byte, at any number of
+//! threads. The folder `examples` leads from a slice in the terminal to an orbit of pictures.
+
+#![warn(missing_docs)]
+
+mod backend;
+mod error;
+mod folder;
+mod load;
+mod output;
+mod picture;
+mod render;
+mod scene_file;
+
+pub use backend::{Backend, Stats};
+pub use error::Error;
+pub use folder::Folder;
+pub use load::{load, load_with_progress};
+pub use output::{Output, abandon_outputs};
+pub use picture::{Encoding, Recipe, SOFTWARE, write_picture};
+pub use render::{Picture, Render, Stage, render_file};
+pub use scene_file::{SceneFile, seen_from};
+
+/// Vectors and matrices of the interfaces.
+pub use glam;
+/// The renderer on the processor.
+pub use strahl_cpu as cpu;
+/// The renderer on the graphics processor.
+pub use strahl_gpu as gpu;
+/// What is to be drawn: scenes, plans, pictures.
+pub use strahl_scene as scene;
+/// Shader functions: every step of the ray.
+pub use strahl_shader as shader;
+/// Stored data and the files it comes from.
+pub use strahl_volume as volume;
+
+pub use strahl_scene::{
+    Background, Camera, Clip, Color, ColorMap, Image, Method, Projection, Scene, TransferFunction,
+    TransferPoint, View, presets,
+};
+pub use strahl_volume::{Phantom, Volume};
+
+/// The examples of README.md, which have to compile.
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+struct Readme;

@@ -1,0 +1,250 @@
+//! Files that are either complete or not there: written beside their target, then renamed.
+
+use crate::Error;
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, BufWriter, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use tempfile::{Builder, NamedTempFile};
+
+/// Paths of the temporary files that exist now, for [`abandon_outputs`].
+static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+/// A file in the making. Until [`Output::finish`] the target is as it was; dropping removes every
+/// trace.
+///
+/// The disk is not told to flush: this guards against a program that is stopped, not against a power
+/// cut.
+#[derive(Debug)]
+pub struct Output {
+    target: PathBuf,
+    kind: Kind,
+}
+
+#[derive(Debug)]
+enum Kind {
+    Renamed(BufWriter<NamedTempFile>),
+    /// A device or pipe, which must not be replaced by a file. Kept in memory, since a picture is
+    /// written with seeks.
+    Device(io::Cursor<Vec<u8>>, File),
+}
+
+impl Output {
+    /// Starts a file at `target`. To be called before the long work, so that a place that cannot be
+    /// written is found first.
+    ///
+    /// # Errors
+    /// If the folder does not exist or cannot be written, or `target` is a folder.
+    pub fn create(target: &Path) -> Result<Output, Error> {
+        let fail = |error| Error::path(target, error);
+        let existing = match fs::metadata(target) {
+            Ok(metadata) => Some(metadata),
+            Err(e) if e.kind() == io::ErrorKind::NotFound => None,
+            Err(e) => return Err(fail(e)),
+        };
+        // What a link points at is replaced, not the link.
+        let mut path = target.to_owned();
+        if let Some(metadata) = &existing {
+            if metadata.is_dir() {
+                return Err(Error::not_usable(
+                    target,
+                    "is a folder, not a file to write",
+                ));
+            }
+            if metadata.permissions().readonly() {
+                return Err(fail(io::ErrorKind::PermissionDenied.into()));
+            }
+            if !metadata.is_file() {
+                let device = OpenOptions::new().write(true).open(target).map_err(fail)?;
+                return Ok(Output {
+                    target: path,
+                    kind: Kind::Device(io::Cursor::default(), device),
+                });
+            }
+            path = target.canonicalize().map_err(fail)?;
+        }
+        let folder = match path.parent() {
+            Some(folder) if !folder.as_os_str().is_empty() => folder,
+            _ => Path::new("."),
+        };
+        if !folder.is_dir() {
+            return Err(Error::not_usable(
+                target,
+                format!("cannot be written: there is no folder {}", folder.display()),
+            ));
+        }
+        let mut unfinished = UNFINISHED.lock().unwrap_or_else(|e| e.into_inner());
+        let file = new_file(folder)
+            .and_then(|file| {
+                if let Some(metadata) = &existing {
+                    file.as_file().set_permissions(metadata.permissions())?;
+                }
+                Ok(file)
+            })
+            .map_err(|source| Error::not_usable(target, format!("cannot be written: {source}")))?;
+        unfinished.push(file.path().to_owned());
+        Ok(Output {
+            target: path,
+            kind: Kind::Renamed(BufWriter::with_capacity(1 << 16, file)),
+        })
+    }
+
+    /// The folder that the file will lie in.
+    pub fn folder(&self) -> &Path {
+        self.target.parent().unwrap_or(Path::new(""))
+    }
+
+    /// Gives the file its name, over whatever was there.
+    ///
+    /// # Errors
+    /// If the last bytes cannot be written or the file cannot be renamed; nothing is left then.
+    pub fn finish(mut self) -> Result<(), Error> {
+        let finished = match &mut self.kind {
+            Kind::Renamed(file) => file.flush().and_then(|()| {
+                // Under the lock, so that an interrupt comes before or after, never between.
+                let mut unfinished = UNFINISHED.lock().unwrap_or_else(|e| e.into_inner());
+                let from = file.get_ref().path().to_owned();
+                fs::rename(&from, &self.target)?;
+                unfinished.retain(|path| *path != from);
+                Ok(())
+            }),
+            Kind::Device(bytes, device) => device.write_all(bytes.get_ref()),
+        };
+        finished.map_err(|error| Error::path(&self.target, error))
+    }
+}
+
+fn new_file(folder: &Path) -> io::Result<NamedTempFile> {
+    let mut builder = Builder::new();
+    builder.prefix(".strahl-").suffix(".part");
+    // Like any new file, not private as temporary files are.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    builder.tempfile_in(folder)
+}
+
+impl Drop for Output {
+    fn drop(&mut self) {
+        if let Kind::Renamed(file) = &self.kind {
+            let path = file.get_ref().path();
+            UNFINISHED
+                .lock()
+                .unwrap_or_else(|e| e.into_inner())
+                .retain(|unfinished| unfinished != path);
+        }
+    }
+}
+
+impl Write for Output {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match &mut self.kind {
+            Kind::Renamed(file) => file.write(bytes),
+            Kind::Device(memory, _) => memory.write(bytes),
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        match &mut self.kind {
+            Kind::Renamed(file) => file.flush(),
+            Kind::Device(..) => Ok(()),
+        }
+    }
+}
+
+impl Seek for Output {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        match &mut self.kind {
+            Kind::Renamed(file) => file.seek(to),
+            Kind::Device(memory, _) => memory.seek(to),
+        }
+    }
+}
+
+/// Removes the temporary files of all [`Output`]s that are not finished, and keeps any from being
+/// started or finished. For a program that is about to end by an interrupt: call it, then exit.
+pub fn abandon_outputs() {
+    let mut unfinished = UNFINISHED.lock().unwrap_or_else(|e| e.into_inner());
+    for path in unfinished.drain(..) {
+        // Nothing can be done about a failure on the way out.
+        let _ = fs::remove_file(path);
+    }
+    std::mem::forget(unfinished);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(folder: &Path) -> Vec<String> {
+        let mut names: Vec<_> = fs::read_dir(folder)
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn a_file_appears_when_it_is_finished() {
+        let folder = tempfile::tempdir().unwrap();
+        let target = folder.path().join("picture.png");
+        let mut output = Output::create(&target).unwrap();
+        output.write_all(b"half").unwrap();
+        assert!(!target.exists());
+        output.write_all(b" and half").unwrap();
+        output.finish().unwrap();
+        assert_eq!(fs::read(&target).unwrap(), b"half and half");
+        assert_eq!(names(folder.path()), ["picture.png"]);
+    }
+
+    #[test]
+    fn dropping_leaves_the_old_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let target = folder.path().join("picture.png");
+        fs::write(&target, "old").unwrap();
+        let mut output = Output::create(&target).unwrap();
+        output.write_all(b"new").unwrap();
+        output.flush().unwrap();
+        drop(output);
+        assert_eq!(fs::read(&target).unwrap(), b"old");
+        assert_eq!(names(folder.path()), ["picture.png"]);
+    }
+
+    #[test]
+    fn places_that_cannot_be_written_are_found_at_once() {
+        let folder = tempfile::tempdir().unwrap();
+        let message = |path: &Path| Output::create(path).unwrap_err().to_string();
+        let found = message(&folder.path().join("none/picture.png"));
+        assert!(found.contains("there is no folder"), "{found}");
+        let found = message(folder.path());
+        assert!(found.contains("is a folder"), "{found}");
+        let file = folder.path().join("file");
+        fs::write(&file, "").unwrap();
+        assert!(Output::create(&file.join("picture.png")).is_err());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn permissions_links_and_devices_are_kept() {
+        use std::os::unix::fs::{PermissionsExt, symlink};
+        let folder = tempfile::tempdir().unwrap();
+        let (target, link) = (folder.path().join("a.png"), folder.path().join("link.png"));
+        fs::write(&target, "old").unwrap();
+        fs::set_permissions(&target, fs::Permissions::from_mode(0o640)).unwrap();
+        symlink("a.png", &link).unwrap();
+        let mut output = Output::create(&link).unwrap();
+        output.write_all(b"new").unwrap();
+        output.finish().unwrap();
+        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+        assert_eq!(fs::read(&target).unwrap(), b"new");
+        assert_eq!(
+            fs::metadata(&target).unwrap().permissions().mode() & 0o777,
+            0o640
+        );
+
+        let mut output = Output::create(Path::new("/dev/null")).unwrap();
+        output.write_all(b"gone").unwrap();
+        output.finish().unwrap();
+        assert!(!fs::metadata("/dev/null").unwrap().is_file());
+    }
+}

@@ -1,0 +1,296 @@
+//! Pictures as files: PNG to look at, EXR to work on, both with the scene that made them inside.
+//!
+//! A renderer's [`Image`] is linear and premultiplied. PNG gets display numbers: colour divided by
+//! alpha, times the exposure, tone mapped, sRGB-encoded, rounded without dithering, with an `sRGB`
+//! chunk that says so. EXR gets the light as it is: linear, premultiplied, without exposure and tone
+//! map.
+
+mod display;
+mod exr;
+mod png;
+
+use crate::Error;
+use std::fs::File;
+use std::io::{BufReader, Read, Seek, Write};
+use std::path::Path;
+use strahl_scene::{Image, plan::Display};
+
+/// How a picture is stored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Encoding {
+    /// PNG with 8 bits per channel.
+    Png8,
+    /// PNG with 16 bits per channel.
+    Png16,
+    /// OpenEXR with 16-bit floating-point channels.
+    ExrHalf,
+    /// OpenEXR with 32-bit floating-point channels.
+    ExrFloat,
+}
+
+impl Encoding {
+    /// The encoding that a file name asks for: `.png` in 8 bit or `.exr` in 32 bit, unless `bits`
+    /// says otherwise (8 or 16 for PNG, 16 or 32 for EXR).
+    ///
+    /// # Errors
+    /// Any other name or number of bits.
+    pub fn for_path(path: &Path, bits: Option<u32>) -> Result<Encoding, Error> {
+        let extension = path
+            .extension()
+            .map(|e| e.to_string_lossy().to_ascii_lowercase());
+        match (extension.as_deref(), bits) {
+            (Some("png"), None | Some(8)) => Ok(Encoding::Png8),
+            (Some("png"), Some(16)) => Ok(Encoding::Png16),
+            (Some("png"), Some(bits)) => Err(Error::not_usable(
+                path,
+                format!("PNG has no {bits}-bit channels; 8 and 16 are possible"),
+            )),
+            (Some("exr"), Some(16)) => Ok(Encoding::ExrHalf),
+            (Some("exr"), None | Some(32)) => Ok(Encoding::ExrFloat),
+            (Some("exr"), Some(bits)) => Err(Error::not_usable(
+                path,
+                format!("EXR is not written with {bits}-bit channels; 16 and 32 are possible"),
+            )),
+            _ => Err(Error::not_usable(
+                path,
+                "a picture's name has to end in .png or .exr",
+            )),
+        }
+    }
+}
+
+/// This program and its version, as picture files name it.
+pub const SOFTWARE: &str = concat!("Strahl ", env!("CARGO_PKG_VERSION"));
+
+/// What a picture file says about how it was made.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Recipe {
+    /// The scene as JSON.
+    pub scene: String,
+    /// The program and its version, such as `Strahl 0.1.0`.
+    pub software: String,
+}
+
+impl Recipe {
+    /// A scene, made into a picture by this version.
+    pub fn new(scene: impl Into<String>) -> Recipe {
+        Recipe {
+            scene: scene.into(),
+            software: SOFTWARE.into(),
+        }
+    }
+
+    /// The recipe in the picture file at `path`; `None` if the file is no PNG or EXR, or one that
+    /// does not say.
+    ///
+    /// # Errors
+    /// If the file cannot be read, or is a damaged PNG or EXR file.
+    pub fn of_file(path: &Path) -> Result<Option<Recipe>, Error> {
+        let file = File::open(path).map_err(|source| Error::path(path, source))?;
+        Recipe::of(BufReader::new(file)).map_err(|error| match error {
+            Error::Picture(why) => Error::not_usable(path, why),
+            other => other,
+        })
+    }
+
+    fn of(mut file: BufReader<impl Read + Seek>) -> Result<Option<Recipe>, Error> {
+        let mut start = Vec::new();
+        let read = (&mut file).take(8).read_to_end(&mut start);
+        read.and_then(|_| file.rewind())
+            .map_err(|e| Error::Picture(e.to_string()))?;
+        if png::is_png(&start) {
+            png::read_recipe(file)
+        } else if exr::is_exr(&start) {
+            exr::read_recipe(file)
+        } else {
+            Ok(None)
+        }
+    }
+}
+
+/// Writes `image` to `out`, which should be buffered. `display` matters for PNG only.
+///
+/// # Errors
+/// If `out` cannot be written.
+pub fn write_picture(
+    image: &Image,
+    display: &Display,
+    encoding: Encoding,
+    recipe: Option<&Recipe>,
+    out: impl Write + Seek,
+) -> Result<(), Error> {
+    match encoding {
+        Encoding::Png8 => png::write(image, display, ::png::BitDepth::Eight, recipe, out),
+        Encoding::Png16 => png::write(image, display, ::png::BitDepth::Sixteen, recipe, out),
+        Encoding::ExrHalf => exr::write(image, true, recipe, out),
+        Encoding::ExrFloat => exr::write(image, false, recipe, out),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ::exr::prelude::{ReadChannels, ReadLayers};
+    use std::io::Cursor;
+    use strahl_scene::plan::ToneMap;
+
+    const PLAIN: Display = Display {
+        exposure: 1.0,
+        tone_map: ToneMap::Clamp,
+    };
+    const ALL: [Encoding; 4] = [
+        Encoding::Png8,
+        Encoding::Png16,
+        Encoding::ExrHalf,
+        Encoding::ExrFloat,
+    ];
+
+    fn written(image: &Image, encoding: Encoding, recipe: Option<&Recipe>) -> Vec<u8> {
+        let mut out = Cursor::new(Vec::new());
+        write_picture(image, &PLAIN, encoding, recipe, &mut out).unwrap();
+        out.into_inner()
+    }
+
+    fn decoded(png: &[u8]) -> (::png::OutputInfo, Vec<u8>) {
+        let mut reader = ::png::Decoder::new(Cursor::new(png)).read_info().unwrap();
+        assert!(reader.info().srgb.is_some());
+        let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+        let info = reader.next_frame(&mut pixels).unwrap();
+        (info, pixels)
+    }
+
+    /// Two by two: opaque red at half light, white; half-transparent green, nothing.
+    fn sample() -> Image {
+        let pixels = vec![
+            [0.5, 0.0, 0.0, 1.0],
+            [1.0, 1.0, 1.0, 1.0],
+            [0.0, 0.25, 0.0, 0.5],
+            [0.0, 0.0, 0.0, 0.0],
+        ];
+        Image::from_pixels(2, 2, pixels)
+    }
+
+    #[test]
+    fn eight_bit_png_with_alpha() {
+        let (info, pixels) = decoded(&written(&sample(), Encoding::Png8, None));
+        assert_eq!((info.width, info.height), (2, 2));
+        assert_eq!(info.color_type, ::png::ColorType::Rgba);
+        // sRGB of linear 0.5 is 0.73536: 187.5 of 255.
+        let expected = [
+            [188, 0, 0, 255],
+            [255, 255, 255, 255],
+            [0, 188, 0, 128],
+            [0, 0, 0, 0],
+        ];
+        assert_eq!(pixels, expected.concat());
+    }
+
+    #[test]
+    fn an_opaque_png_has_no_alpha_channel() {
+        let image = Image::from_pixels(2, 1, vec![[0.5, 0.5, 0.5, 0.999_9], [2.0, -1.0, 0.0, 1.0]]);
+        let (info, pixels) = decoded(&written(&image, Encoding::Png8, None));
+        assert_eq!(info.color_type, ::png::ColorType::Rgb);
+        assert_eq!(pixels, [188, 188, 188, 255, 0, 0]);
+    }
+
+    #[test]
+    fn sixteen_bit_png_is_big_endian_and_finer() {
+        let (info, pixels) = decoded(&written(&sample(), Encoding::Png16, None));
+        assert_eq!(info.bit_depth, ::png::BitDepth::Sixteen);
+        let red = u16::from_be_bytes([pixels[0], pixels[1]]);
+        assert!(
+            (f64::from(red) / 65_535.0 - 0.735_357).abs() < 1e-5,
+            "{red}"
+        );
+        let alpha = u16::from_be_bytes([pixels[16 + 6], pixels[16 + 7]]);
+        assert_eq!(alpha, 32_768);
+    }
+
+    #[test]
+    fn exr_keeps_light_as_it_is() {
+        let mut image = sample();
+        image.pixels_mut()[1] = [7.5, -0.25, 1e-3, 1.0];
+        for (encoding, tolerance) in [(Encoding::ExrFloat, 0.0), (Encoding::ExrHalf, 1e-3)] {
+            let file = written(&image, encoding, None);
+            let read = ::exr::prelude::read()
+                .no_deep_data()
+                .largest_resolution_level()
+                .rgba_channels(
+                    |size, _| (size.width(), vec![[0.0f32; 4]; size.area()]),
+                    |(width, pixels), at, (r, g, b, a): (f32, f32, f32, f32)| {
+                        pixels[at.1 * *width + at.0] = [r, g, b, a];
+                    },
+                )
+                .first_valid_layer()
+                .all_attributes()
+                .from_buffered(Cursor::new(file))
+                .unwrap();
+            let (_, pixels) = read.layer_data.channel_data.pixels;
+            for (found, expected) in pixels.iter().zip(image.pixels()) {
+                for c in 0..4 {
+                    let limit = tolerance * expected[c].abs();
+                    assert!(
+                        (found[c] - expected[c]).abs() <= limit,
+                        "{found:?} {expected:?}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_scene_comes_back_from_every_encoding() {
+        let recipe = Recipe::new(r#"{"format": 1, "title": "Schädel"}"#);
+        for encoding in ALL {
+            let file = written(&sample(), encoding, Some(&recipe));
+            let found = Recipe::of(BufReader::new(Cursor::new(file)))
+                .unwrap()
+                .unwrap();
+            assert_eq!(found.software, recipe.software);
+            let value = |text: &str| serde_json::from_str::<serde_json::Value>(text).unwrap();
+            assert_eq!(value(&found.scene), value(&recipe.scene), "{encoding:?}");
+        }
+    }
+
+    #[test]
+    fn files_without_a_scene_have_none() {
+        for encoding in ALL {
+            let file = written(&sample(), encoding, None);
+            assert_eq!(Recipe::of(BufReader::new(Cursor::new(file))).unwrap(), None);
+        }
+        for other in [&b""[..], b"\x89PN", b"NRRD0004\n"] {
+            assert_eq!(
+                Recipe::of(BufReader::new(Cursor::new(other))).unwrap(),
+                None
+            );
+        }
+        let damaged = &written(&sample(), Encoding::Png8, None)[..20];
+        assert!(Recipe::of(BufReader::new(Cursor::new(damaged))).is_err());
+    }
+
+    #[test]
+    fn the_same_picture_is_the_same_bytes() {
+        let recipe = Recipe::new("{}");
+        for encoding in ALL {
+            let file = || written(&sample(), encoding, Some(&recipe));
+            assert_eq!(file(), file());
+        }
+    }
+
+    #[test]
+    fn names_and_bits_pick_the_encoding() {
+        let pick = |name: &str, bits| Encoding::for_path(Path::new(name), bits);
+        assert_eq!(pick("a.png", None).unwrap(), Encoding::Png8);
+        assert_eq!(pick("a.PNG", Some(16)).unwrap(), Encoding::Png16);
+        assert_eq!(pick("a.exr", None).unwrap(), Encoding::ExrFloat);
+        assert_eq!(pick("a.exr", Some(16)).unwrap(), Encoding::ExrHalf);
+        for (name, bits) in [
+            ("a.png", Some(32)),
+            ("a.exr", Some(8)),
+            ("a.jpg", None),
+            ("png", None),
+        ] {
+            assert!(pick(name, bits).is_err(), "{name} {bits:?}");
+        }
+    }
+}

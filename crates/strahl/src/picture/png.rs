@@ -1,0 +1,93 @@
+//! PNG: sRGB, 8 or 16 bit, alpha not multiplied in.
+
+use super::Recipe;
+use super::display::display_pixel;
+use crate::Error;
+use png::{BitDepth, ColorType, Compression, Decoder, Encoder, EncodingError};
+use std::io::{BufRead, Seek, Write};
+use strahl_scene::{Image, plan::Display};
+
+/// Keyword of the iTXt chunk that holds the scene.
+const SCENE: &str = "strahl:scene";
+/// Keyword of the chunk that says which program made the picture, registered by the standard.
+const SOFTWARE: &str = "Software";
+const SIGNATURE: [u8; 8] = *b"\x89PNG\r\n\x1a\n";
+
+pub(super) fn is_png(start: &[u8]) -> bool {
+    start.starts_with(&SIGNATURE)
+}
+
+/// Rounds to nearest without dithering, so that equal pixels stay equal. The alpha channel is left
+/// out if every pixel is opaque after rounding.
+pub(super) fn write(
+    image: &Image,
+    display: &Display,
+    depth: BitDepth,
+    recipe: Option<&Recipe>,
+    out: impl Write,
+) -> Result<(), Error> {
+    let levels = match depth {
+        BitDepth::Sixteen => 65_535.0f32,
+        _ => 255.0,
+    };
+    let quantise = |v: f32| (v * levels + 0.5) as u16;
+    let opaque = image
+        .pixels()
+        .iter()
+        .all(|p| quantise(p[3].clamp(0.0, 1.0)) == levels as u16);
+    let channels = if opaque { 3 } else { 4 };
+
+    let mut encoder = Encoder::new(out, image.width(), image.height());
+    encoder.set_color(if opaque {
+        ColorType::Rgb
+    } else {
+        ColorType::Rgba
+    });
+    encoder.set_depth(depth);
+    encoder.set_compression(Compression::Balanced);
+    encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+    if let Some(recipe) = recipe {
+        for (keyword, text) in [(SOFTWARE, &recipe.software), (SCENE, &recipe.scene)] {
+            encoder
+                .add_itxt_chunk(keyword.into(), text.clone())
+                .map_err(cannot_write)?;
+        }
+    }
+    let mut writer = encoder.write_header().map_err(cannot_write)?;
+    let mut rows = writer.stream_writer().map_err(cannot_write)?;
+    let mut row = Vec::new();
+    for pixels in image.pixels().chunks(image.width().max(1) as usize) {
+        row.clear();
+        for &pixel in pixels {
+            for value in &display_pixel(pixel, display)[..channels] {
+                match depth {
+                    BitDepth::Sixteen => row.extend(quantise(*value).to_be_bytes()),
+                    _ => row.push(quantise(*value) as u8),
+                }
+            }
+        }
+        rows.write_all(&row).map_err(|e| cannot_write(e.into()))?;
+    }
+    rows.finish().map_err(cannot_write)?;
+    writer.finish().map_err(cannot_write)
+}
+
+/// The recipe in a PNG file, if it has one.
+pub(super) fn read_recipe(file: impl BufRead + Seek) -> Result<Option<Recipe>, Error> {
+    let reader = Decoder::new(file)
+        .read_info()
+        .map_err(|e| Error::Picture(format!("not a PNG file that can be read: {e}")))?;
+    let text = |keyword: &str| {
+        let chunks = &reader.info().utf8_text;
+        let chunk = chunks.iter().find(|c| c.keyword == keyword)?;
+        chunk.get_text().ok()
+    };
+    Ok(text(SCENE).map(|scene| Recipe {
+        scene,
+        software: text(SOFTWARE).unwrap_or_default(),
+    }))
+}
+
+fn cannot_write(error: EncodingError) -> Error {
+    Error::Picture(format!("the PNG file cannot be written: {error}"))
+}

@@ -1,0 +1,389 @@
+//! From a volume or a scene to a picture: [`Render`] and [`render_file`].
+
+use crate::backend::{Backend, Stats, draw};
+use crate::scene_file::{SceneFile, seen_from};
+use crate::{Encoding, Error, Output, Recipe, load_with_progress, write_picture};
+use std::borrow::Cow;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+use strahl_cpu::Options;
+use strahl_scene::{
+    Background, Camera, Clip, Image, Method, Scene, TransferFunction, View, VolumeSource, plan,
+    resolve, settled,
+};
+use strahl_volume::read::ReadOptions;
+use strahl_volume::{Grid, LabelVolume, Phantom, Volume};
+
+/// Draws the volume at `volume_path` (a file, or a folder with one DICOM series or numbered slices)
+/// into the picture `picture_path` (`.png` or `.exr`), with everything chosen from the data.
+///
+/// # Errors
+/// Whatever is wrong with either file, by name.
+pub fn render_file(
+    volume_path: impl AsRef<Path>,
+    picture_path: impl AsRef<Path>,
+) -> Result<(), Error> {
+    Render::file(volume_path).save(picture_path).map(drop)
+}
+
+/// A picture in the making: a volume, and what is not left to the defaults.
+///
+/// ```
+/// use strahl::{Phantom, Render, View};
+/// let picture = Render::phantom(Phantom::Shells)
+///     .preset("solid")
+///     .view(View::Left)
+///     .size(64, 48)
+///     .picture()?;
+/// assert_eq!(picture.image.width(), 64);
+/// # Ok::<(), strahl::Error>(())
+/// ```
+///
+/// Mistakes (an unknown preset, a size of 0) are reported by [`Render::picture`], all at once.
+#[derive(Clone)]
+#[must_use = "nothing is drawn before `picture` or `save`"]
+pub struct Render<'a> {
+    source: Source<'a>,
+    scene: Scene,
+    scene_path: Option<PathBuf>,
+    options: Options,
+    backend: Backend,
+    progress: &'a (dyn Fn(Stage, f64) + Sync),
+}
+
+#[derive(Clone)]
+enum Source<'a> {
+    /// What `scene.volume` says.
+    Scene,
+    /// One volume from these files; `scene.volume` says how to read them.
+    Files(Vec<PathBuf>),
+    /// One that is in memory.
+    Volume(&'a Volume),
+}
+
+/// What takes long about a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// The volume is read, or computed if it is a phantom.
+    Reading,
+    /// The picture is drawn.
+    Drawing,
+}
+
+/// A picture, and how it came about.
+#[derive(Clone, Debug)]
+pub struct Picture {
+    /// Linear, premultiplied pixels, background included.
+    pub image: Image,
+    /// Exposure and tone map for a file with display colours.
+    pub display: plan::Display,
+    /// The scene with every default filled in: drawing it again gives this picture.
+    pub scene: Scene,
+    /// What the user should know: slices left out, fields of the file that were put right.
+    pub notes: Vec<String>,
+    /// What drawing has cost.
+    pub stats: Stats,
+    /// Reading the volume, or computing the phantom.
+    pub read_seconds: f64,
+}
+
+impl<'a> Render<'a> {
+    /// Draws the volume at `path`: a file, or a folder with one DICOM series or numbered slices.
+    pub fn file(path: impl AsRef<Path>) -> Render<'a> {
+        Render::files(vec![path.as_ref().to_owned()])
+    }
+
+    /// Draws the volume that several files make together: the slices of one series, in any order.
+    pub fn files(paths: Vec<PathBuf>) -> Render<'a> {
+        Render::new(Source::Files(paths), Scene::default())
+    }
+
+    /// Draws a built-in phantom.
+    pub fn phantom(phantom: Phantom) -> Render<'a> {
+        Render::scene(Scene {
+            volume: Some(VolumeSource {
+                phantom: Some(phantom.name().to_owned()),
+                ..VolumeSource::default()
+            }),
+            ..Scene::default()
+        })
+    }
+
+    /// Draws a volume that is in memory. (A picture file will not say where it came from.)
+    pub fn volume(volume: &'a Volume) -> Render<'a> {
+        Render::new(Source::Volume(volume), Scene::default())
+    }
+
+    /// Draws a scene; its paths count from the current folder.
+    pub fn scene(scene: Scene) -> Render<'a> {
+        Render::new(Source::Scene, scene)
+    }
+
+    /// Draws the scene in a file.
+    pub fn scene_file(file: SceneFile) -> Render<'a> {
+        Render {
+            scene_path: Some(file.path),
+            ..Render::new(Source::Scene, file.scene)
+        }
+    }
+
+    fn new(source: Source<'a>, scene: Scene) -> Render<'a> {
+        Render {
+            source,
+            scene,
+            scene_path: None,
+            options: Options::default(),
+            backend: Backend::default(),
+            progress: &|_, _| (),
+        }
+    }
+
+    /// Draws the volume of these files instead of the scene's own.
+    pub fn with_files(mut self, paths: Vec<PathBuf>) -> Render<'a> {
+        self.source = Source::Files(paths);
+        self
+    }
+
+    /// Takes the preset called `name`; see [`presets`](strahl_scene::presets).
+    pub fn preset(self, name: &str) -> Render<'a> {
+        self.with(|scene| scene.preset = Some(name.to_owned()))
+    }
+
+    /// How the samples of a ray become a pixel.
+    pub fn method(self, method: Method) -> Render<'a> {
+        self.with(|scene| scene.method = Some(method))
+    }
+
+    /// Draws the surface where the volume has this value.
+    pub fn surface(self, threshold: f64) -> Render<'a> {
+        self.with(|scene| {
+            scene.method = Some(Method::FirstHit);
+            scene.threshold = Some(threshold);
+        })
+    }
+
+    /// Value → colour and opacity.
+    pub fn transfer_function(self, function: TransferFunction) -> Render<'a> {
+        self.with(|scene| scene.transfer_function = Some(function))
+    }
+
+    /// Looks from a side of the patient (or of the box).
+    pub fn view(self, view: View) -> Render<'a> {
+        self.camera(Camera {
+            view: Some(view),
+            ..Camera::default()
+        })
+    }
+
+    /// Where the picture is taken from.
+    pub fn camera(self, camera: Camera) -> Render<'a> {
+        self.with(|scene| scene.camera = Some(camera))
+    }
+
+    /// Width and height in pixels.
+    pub fn size(self, width: u32, height: u32) -> Render<'a> {
+        self.with(|scene| scene.size = Some([width, height]))
+    }
+
+    /// What is behind everything.
+    pub fn background(self, background: Background) -> Render<'a> {
+        self.with(|scene| scene.background = Some(background))
+    }
+
+    /// Cuts a part away; may be called several times.
+    pub fn clip(self, clip: Clip) -> Render<'a> {
+        self.with(|scene| scene.clips.get_or_insert_default().push(clip))
+    }
+
+    /// Anything else: changes the scene by hand.
+    pub fn with(mut self, change: impl FnOnce(&mut Scene)) -> Render<'a> {
+        change(&mut self.scene);
+        self
+    }
+
+    /// Draws with this many threads; 0, the default, means all cores. The picture is the same.
+    pub fn threads(mut self, threads: usize) -> Render<'a> {
+        self.options.threads = threads;
+        self
+    }
+
+    /// Draws with this renderer instead of the processor's.
+    pub fn backend(mut self, backend: Backend) -> Render<'a> {
+        self.backend = backend;
+        self
+    }
+
+    /// Has `progress` told, from any thread, how far a stage is (0 to 1).
+    pub fn progress(mut self, progress: &'a (dyn Fn(Stage, f64) + Sync)) -> Render<'a> {
+        self.progress = progress;
+        self
+    }
+
+    /// Reads and draws.
+    ///
+    /// # Errors
+    /// Whatever is wrong with the volume or the scene.
+    pub fn picture(&self) -> Result<Picture, Error> {
+        let start = Instant::now();
+        let (volume, mut notes) = self.load()?;
+        let labels = self.label_grid()?;
+        if labels.is_some() {
+            notes.push("the labels lie on the volume's grid; drawing them is not there yet".into());
+        }
+        let read_seconds = start.elapsed().as_secs_f64();
+        let (header, scene) = (volume.header(), self.known_scene());
+        let plan = self.checked(resolve(&scene, &header, labels.as_ref()))?;
+        let progress = |part| (self.progress)(Stage::Drawing, part);
+        let (image, stats, note) = draw(&self.backend, &volume, &plan, &self.options, &progress)?;
+        notes.extend(note);
+        Ok(Picture {
+            image,
+            display: plan.display,
+            scene: settled(&scene, &header),
+            notes,
+            stats,
+            read_seconds,
+        })
+    }
+
+    /// The scene that would be drawn, with every default filled in; reads the volume for it, and
+    /// draws nothing.
+    ///
+    /// # Errors
+    /// As [`Render::picture`].
+    pub fn settled_scene(&self) -> Result<Scene, Error> {
+        let (volume, _) = self.load()?;
+        let (header, scene) = (volume.header(), self.known_scene());
+        self.checked(resolve(&scene, &header, self.label_grid()?.as_ref()))?;
+        Ok(settled(&scene, &header))
+    }
+
+    /// Draws into the file `path`: PNG in 8 bit or EXR in 32 bit, by its name.
+    ///
+    /// # Errors
+    /// As [`Render::picture`]; if the file cannot be written, which is found before anything is
+    /// read.
+    pub fn save(&self, path: impl AsRef<Path>) -> Result<Picture, Error> {
+        let encoding = Encoding::for_path(path.as_ref(), None)?;
+        let output = Output::create(path.as_ref())?;
+        let picture = self.picture()?;
+        picture.write(encoding, output)?;
+        Ok(picture)
+    }
+
+    /// The scene as far as a file can say it: several files have no name in a scene, a volume in
+    /// memory has none at all.
+    fn known_scene(&self) -> Scene {
+        let mut scene = self.scene.clone();
+        match &self.source {
+            Source::Scene => {}
+            Source::Files(paths) => {
+                let mut volume = scene.volume.take().unwrap_or_default();
+                (volume.phantom, volume.path) = (None, None);
+                if let [path] = paths.as_slice() {
+                    volume.path = path.to_str().map(str::to_owned);
+                }
+                scene.volume = volume.path.is_some().then_some(volume);
+            }
+            Source::Volume(_) => scene.volume = None,
+        }
+        scene
+    }
+
+    fn load(&self) -> Result<(Cow<'a, Volume>, Vec<String>), Error> {
+        let source = match (&self.source, &self.scene.volume) {
+            (Source::Volume(volume), _) => return Ok((Cow::Borrowed(*volume), Vec::new())),
+            (Source::Files(paths), source) => {
+                let options = match source {
+                    Some(source) => self.read_options(&VolumeSource {
+                        path: Some(String::new()),
+                        phantom: None,
+                        ..source.clone()
+                    })?,
+                    None => ReadOptions::default(),
+                };
+                return self.read(paths, &options);
+            }
+            (Source::Scene, Some(source)) => source,
+            (Source::Scene, None) => {
+                let what = match &self.scene_path {
+                    Some(path) => format!("{}: ", path.display()),
+                    None => String::new(),
+                };
+                return Err(Error::Picture(format!(
+                    "{what}volume is missing; give the scene a \"volume\" with a \"path\" or a \"phantom\", or name a volume beside the scene"
+                )));
+            }
+        };
+        let options = self.read_options(source)?;
+        // One of the two is there and known, as has just been checked.
+        let Some(phantom) = source.phantom.as_deref().and_then(Phantom::from_name) else {
+            let path = PathBuf::from(source.path.clone().unwrap_or_default());
+            return self.read(&[path], &options);
+        };
+        let volume = phantom.volume(source.dims.unwrap_or(phantom.default_dims()))?;
+        Ok((Cow::Owned(volume), Vec::new()))
+    }
+
+    fn read(
+        &self,
+        paths: &[PathBuf],
+        options: &ReadOptions,
+    ) -> Result<(Cow<'a, Volume>, Vec<String>), Error> {
+        let progress = |part| (self.progress)(Stage::Reading, part);
+        let loaded = load_with_progress(paths, options, &progress)?;
+        Ok((Cow::Owned(loaded.volume), loaded.notes))
+    }
+
+    fn read_options(&self, source: &VolumeSource) -> Result<ReadOptions, Error> {
+        self.checked(source.read_options())
+    }
+
+    /// The grid of the label volume, if the scene names one. (No renderer draws labels yet; what is
+    /// checked is that they belong to the volume.)
+    fn label_grid(&self) -> Result<Option<Grid>, Error> {
+        let Some(labels) = &self.scene.labels else {
+            return Ok(None);
+        };
+        let loaded = crate::load(&labels.path, &ReadOptions::default())?;
+        let labels = LabelVolume::from_volume(loaded.volume, loaded.labels.unwrap_or_default())
+            .map_err(|error| error.in_file(&labels.path))?;
+        Ok(Some(*labels.grid()))
+    }
+
+    fn checked<T>(&self, result: Result<T, strahl_scene::Problems>) -> Result<T, Error> {
+        result.map_err(|problems| Error::Problems {
+            file: self.scene_path.clone(),
+            problems,
+        })
+    }
+}
+
+impl Picture {
+    /// Writes a file with the picture and its scene, whose paths are put as seen from the file's
+    /// folder.
+    ///
+    /// # Errors
+    /// If the file cannot be written; nothing is left then.
+    pub fn write(&self, encoding: Encoding, mut output: Output) -> Result<(), Error> {
+        let scene = seen_from(output.folder(), &self.scene);
+        let recipe = Recipe::new(scene.to_json());
+        write_picture(
+            &self.image,
+            &self.display,
+            encoding,
+            Some(&recipe),
+            &mut output,
+        )?;
+        output.finish()
+    }
+
+    /// Writes a file: PNG in 8 bit or EXR in 32 bit, by its name.
+    ///
+    /// # Errors
+    /// If the name has another ending, or the file cannot be written.
+    pub fn save(&self, path: impl AsRef<Path>) -> Result<(), Error> {
+        let encoding = Encoding::for_path(path.as_ref(), None)?;
+        self.write(encoding, Output::create(path.as_ref())?)
+    }
+}

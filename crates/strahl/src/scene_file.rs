@@ -1,0 +1,210 @@
+//! Scenes on disk: JSON files, and pictures that carry the scene they were made from.
+
+use crate::{Error, Recipe};
+use std::fs::{self, File};
+use std::io::Read;
+use std::path::{Component, Path, PathBuf};
+use strahl_scene::Scene;
+
+/// A scene and where it comes from.
+#[derive(Clone, Debug)]
+pub struct SceneFile {
+    /// The file.
+    pub path: PathBuf,
+    /// The scene; its paths are put as seen from the current folder.
+    pub scene: Scene,
+    /// The program that made the picture, if the scene comes from one.
+    pub software: Option<String>,
+}
+
+/// No longer text is a scene; [`Scene::parse`] has the same limit and the words for it.
+const MAX_BYTES: u64 = (16 << 20) + 1;
+/// How much of a file is looked at to tell a scene from a volume.
+const HEAD_BYTES: u64 = 1 << 16;
+
+impl SceneFile {
+    /// The scene in the file at `path`: JSON with comments, or the scene inside a PNG or EXR picture.
+    /// `None` if the file is something else, which is told by its bytes; a name that ends in
+    /// `.json` makes it a scene too, for the sake of its error message.
+    ///
+    /// # Errors
+    /// If the file cannot be read, or is meant as a scene and is not one.
+    pub fn open(path: &Path) -> Result<Option<SceneFile>, Error> {
+        let fail = |error| Error::path(path, error);
+        if fs::metadata(path).map_err(fail)?.is_dir() {
+            return Ok(None);
+        }
+        let (text, software) = if let Some(recipe) = recipe(path)? {
+            (recipe.scene, Some(recipe.software))
+        } else {
+            let mut file = File::open(path).map_err(fail)?;
+            let mut bytes = Vec::new();
+            (&mut file)
+                .take(HEAD_BYTES)
+                .read_to_end(&mut bytes)
+                .map_err(fail)?;
+            let named = path
+                .extension()
+                .is_some_and(|e| e.eq_ignore_ascii_case("json"));
+            if !named && !begins_like_a_scene(&bytes) {
+                return Ok(None);
+            }
+            file.take(MAX_BYTES).read_to_end(&mut bytes).map_err(fail)?;
+            let text = String::from_utf8(bytes).map_err(|e| {
+                let at = e.utf8_error().valid_up_to();
+                Error::not_usable(path, format!("a scene is text in UTF-8; byte {at} is not"))
+            })?;
+            (text, None)
+        };
+        let mut scene = Scene::parse(&path.display().to_string(), &text)?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        for relative in paths_of(&mut scene) {
+            if let Some(joined) = folder.join(&*relative).to_str() {
+                *relative = joined.to_owned();
+            }
+        }
+        Ok(Some(SceneFile {
+            path: path.to_owned(),
+            scene,
+            software,
+        }))
+    }
+}
+
+/// A damaged picture may still be a slice of a volume, whose reader has better words for it.
+fn recipe(path: &Path) -> Result<Option<Recipe>, Error> {
+    match Recipe::of_file(path) {
+        Err(Error::NotUsable { .. }) => Ok(None),
+        other => other,
+    }
+}
+
+/// Whether the first thing in a text, after blanks and comments, is an object with a key, or an
+/// empty one. No header of a volume begins so, and no samples do by chance.
+fn begins_like_a_scene(head: &[u8]) -> bool {
+    let head = match std::str::from_utf8(head) {
+        Ok(text) => text,
+        // The end may cut a character.
+        Err(e) if e.error_len().is_none() => {
+            std::str::from_utf8(&head[..e.valid_up_to()]).unwrap_or_default()
+        }
+        Err(_) => return false,
+    };
+    let head = head.strip_prefix('\u{feff}').unwrap_or(head);
+    skip_comments(head)
+        .strip_prefix('{')
+        .is_some_and(|inside| skip_comments(inside).starts_with(['"', '}']))
+}
+
+fn skip_comments(mut text: &str) -> &str {
+    loop {
+        text = text.trim_start();
+        let end = if text.starts_with("//") || text.starts_with('#') {
+            text.find('\n')
+        } else if text.starts_with("/*") {
+            text.find("*/").map(|at| at + 2)
+        } else {
+            return text;
+        };
+        match end {
+            Some(end) => text = &text[end..],
+            None => return "",
+        }
+    }
+}
+
+/// `scene` with its paths put as seen from `folder`, with `/` between, for a file that will lie
+/// there. A file on another branch of the file system keeps its whole path.
+pub fn seen_from(folder: &Path, scene: &Scene) -> Scene {
+    let mut scene = scene.clone();
+    let folder = whole(if folder.as_os_str().is_empty() {
+        Path::new(".")
+    } else {
+        folder
+    });
+    for path in paths_of(&mut scene) {
+        if let Some(relative) = relative(&whole(Path::new(&*path)), &folder) {
+            *path = relative;
+        }
+    }
+    scene
+}
+
+fn paths_of(scene: &mut Scene) -> impl Iterator<Item = &mut String> {
+    let volume = scene.volume.as_mut().and_then(|v| v.path.as_mut());
+    let labels = scene.labels.as_mut().map(|labels| &mut labels.path);
+    volume.into_iter().chain(labels)
+}
+
+fn whole(path: &Path) -> PathBuf {
+    fs::canonicalize(path)
+        .or_else(|_| std::path::absolute(path))
+        .unwrap_or_else(|_| path.to_owned())
+}
+
+/// `path` as seen from `folder`; both are whole.
+fn relative(path: &Path, folder: &Path) -> Option<String> {
+    let shared = path
+        .components()
+        .zip(folder.components())
+        .take_while(|(a, b)| a == b)
+        .count();
+    let is_name = |c: &Component| matches!(c, Component::Normal(_));
+    if !path.components().take(shared).any(|c| is_name(&c)) {
+        return path.to_str().map(str::to_owned);
+    }
+    let up = folder.components().skip(shared).map(|_| Some(".."));
+    let down = path.components().skip(shared);
+    let parts: Option<Vec<&str>> = up.chain(down.map(|c| c.as_os_str().to_str())).collect();
+    let parts = parts?;
+    Some(if parts.is_empty() {
+        ".".to_owned()
+    } else {
+        parts.join("/")
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scenes_are_told_by_their_first_characters() {
+        for text in [
+            "{}",
+            "{\"volume\": {}}",
+            " \n// a head\n/* in { two }\nlines */ # and more\n{ // here\n \"preset\": \"mr\"",
+            "\u{feff}{ }",
+        ] {
+            assert!(begins_like_a_scene(text.as_bytes()), "{text}");
+        }
+        for text in [
+            "",
+            "[1]",
+            "{{{{",
+            "NRRD0004\n{",
+            "// only a comment",
+            "\"\"",
+        ] {
+            assert!(!begins_like_a_scene(text.as_bytes()), "{text}");
+        }
+        assert!(!begins_like_a_scene(b"{\xff\xfe\"\""));
+        assert!(begins_like_a_scene(
+            "{\"title é".as_bytes().split_last().unwrap().1
+        ));
+    }
+
+    #[test]
+    fn paths_are_put_as_seen_from_a_folder() {
+        for (path, folder, expected) in [
+            ("/data/a.nii", "/data", "a.nii"),
+            ("/data/in/a.nii", "/data", "in/a.nii"),
+            ("/data/a.nii", "/data/out/today", "../../a.nii"),
+            ("/data/in", "/data/in", "."),
+            ("/data/a.nii", "/elsewhere", "/data/a.nii"),
+        ] {
+            let found = relative(Path::new(path), Path::new(folder));
+            assert_eq!(found.as_deref(), Some(expected));
+        }
+    }
+}

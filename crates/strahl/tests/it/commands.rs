@@ -1,0 +1,242 @@
+//! Exit codes, help, and what each command prints.
+
+use super::*;
+use serde_json::Value;
+use std::fs;
+
+fn json(text: &str) -> Value {
+    serde_json::from_str(text).unwrap()
+}
+
+#[test]
+fn wrong_usage_is_exit_code_2() {
+    let folder = folder_with_shells();
+    for args in [
+        &[][..],
+        &["draw"],
+        &["render", "shells.nrrd"],
+        &["render", "-o", "out.png"],
+        &["render", "shells.nrrd", "-o", "out.png", "--sise", "3x3"],
+        &["render", "shells.nrrd", "-o", "out.png", "--method", "mop"],
+        &["render", "shells.nrrd", "-o", "out.png", "--zoom", "near"],
+        &["render", "shells.nrrd", "-o", "out.png", "--preset", "none"],
+        &["convert", "shells.nrrd"],
+        &["scene"],
+        &["demo", "skull"],
+    ] {
+        let run = run(folder.path(), args);
+        assert_eq!(run.code, Some(2), "strahl {args:?}: {}", run.err);
+        assert!(run.err.contains("--help"), "{}", run.err);
+        assert_eq!(names(folder.path()), ["shells.nrrd"]);
+    }
+}
+
+/// Every command has examples, and every example is a call that the flags know.
+#[test]
+fn help_has_examples_that_are_right() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut examples = 0;
+    for command in [
+        "render",
+        "demo",
+        "info",
+        "convert",
+        "presets",
+        "completions",
+        "scene schema",
+        "scene check",
+        "scene show",
+        "shader list",
+        "shader show",
+        "shader check",
+    ] {
+        let mut args: Vec<&str> = command.split(' ').collect();
+        args.push("--help");
+        let help = run_well(folder.path(), &args);
+        let (_, list) = help.split_once("\nExamples:\n").expect(command);
+        let lines = list.lines().take_while(|line| !line.is_empty());
+        for line in lines {
+            assert!(
+                line.trim().starts_with(&format!("strahl {command}")),
+                "{line}"
+            );
+            let words = line.split_whitespace().skip(1);
+            // Nothing of it exists here: it fails, but not as wrong usage.
+            let call: Vec<&str> = words.take_while(|word| *word != ">").collect();
+            if call[0] != "demo" {
+                let run = run(folder.path(), &call);
+                assert_ne!(run.code, Some(2), "{line}: {}", run.err);
+            }
+            examples += 1;
+        }
+    }
+    assert!(examples > 20, "{examples}");
+    let help = run_well(folder.path(), &["scene", "--help"]);
+    assert!(help.contains("schema") && help.contains("check"), "{help}");
+}
+
+#[test]
+fn notes_go_to_stderr_and_can_be_turned_off() {
+    let folder = folder_with_shells();
+    let args = ["render", "shells.nrrd", "-o", "out.png", "--size", "20x10"];
+    let loud = run(folder.path(), &args);
+    assert_eq!(loud.out, "");
+    assert!(
+        loud.err.starts_with("wrote out.png: 20 × 10 pixels"),
+        "{}",
+        loud.err
+    );
+    let quiet = run(folder.path(), &[&args[..], &["--quiet"]].concat());
+    assert_eq!((quiet.out.as_str(), quiet.err.as_str()), ("", ""));
+}
+
+#[test]
+fn stats_add_up() {
+    let folder = folder_with_shells();
+    let out = run_well(
+        folder.path(),
+        &[
+            "render",
+            "shells.nrrd",
+            "-o",
+            "out.png",
+            "--size",
+            "40x30",
+            "--stats",
+            "json",
+            "--threads",
+            "2",
+            "-q",
+        ],
+    );
+    let stats = json(&out);
+    let count = |key: &str| stats[key].as_u64().unwrap_or_else(|| panic!("{key}"));
+    assert_eq!((count("width"), count("height")), (40, 30));
+    assert_eq!(count("rays"), 1200);
+    assert_eq!(count("threads"), 2);
+    assert_eq!(stats["picture"], "out.png");
+    assert_eq!(stats["method"], "emission-absorption");
+    assert!(count("rays_in_volume") > 100 && count("rays_in_volume") <= 1200);
+    assert!(count("samples_visible") > 0);
+    assert!(count("samples_visible") <= count("samples"));
+    assert!(count("samples") + count("points_skipped") <= count("lattice_points"));
+    let seconds = stats["seconds"].as_object().unwrap();
+    let total = seconds["total"].as_f64().unwrap();
+    let parts = ["read", "bricks", "prepare", "draw", "write"];
+    let sum: f64 = parts
+        .iter()
+        .map(|part| seconds[*part].as_f64().unwrap())
+        .sum();
+    assert!(sum > 0.0 && sum <= total, "{sum} of {total} s");
+}
+
+#[test]
+fn demo_needs_no_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let args = ["demo", "--dims", "48,60,76", "--size", "64x64"];
+    let run = run(folder.path(), &args);
+    assert_eq!(run.code, Some(0), "{}", run.err);
+    assert!(run.err.contains("wrote strahl-demo.png"), "{}", run.err);
+    assert_eq!(names(folder.path()), ["strahl-demo.png"]);
+}
+
+#[test]
+fn volumes_keep_their_values_in_every_format() {
+    let folder = folder_with_shells();
+    let original = shells();
+    for name in ["a.nii", "a.nii.gz", "a.nrrd", "a.mha", "a.mhd", "a.npy"] {
+        run_well(folder.path(), &["convert", "shells.nrrd", name, "-q"]);
+        let read = strahl::load(folder.path().join(name), &Default::default()).unwrap();
+        assert_eq!(read.volume.grid().dims(), [16, 12, 8], "{name}");
+        for (x, y, z) in [(0, 0, 0), (8, 6, 4), (11, 3, 7)] {
+            let error = read.volume.value(x, y, z) - original.value(x, y, z);
+            assert!(error.abs() < 1e-6, "{name}: {error}");
+        }
+    }
+    assert!(names(folder.path()).contains(&"a.zraw".to_owned()));
+    run_well(
+        folder.path(),
+        &["convert", "shells.nrrd", "b.mhd", "--uncompressed"],
+    );
+    assert_eq!(
+        fs::metadata(folder.path().join("b.raw")).unwrap().len(),
+        16 * 12 * 8 * 4
+    );
+}
+
+#[test]
+fn presets_are_listed_and_printed() {
+    let folder = folder_with_shells();
+    let list = run_well(folder.path(), &["presets"]);
+    let parsed = json(&run_well(folder.path(), &["presets", "--json"]));
+    assert_eq!(parsed.as_array().unwrap().len(), list.lines().count());
+    for (line, entry) in list.lines().zip(parsed.as_array().unwrap()) {
+        let name = entry["name"].as_str().unwrap();
+        assert!(line.starts_with(name), "{line}");
+        // What is printed is a scene that can be drawn with a volume.
+        let text = run_well(folder.path(), &["presets", name]);
+        fs::write(folder.path().join("preset.json"), text).unwrap();
+        let args = [
+            "render",
+            "preset.json",
+            "shells.nrrd",
+            "-o",
+            "out.png",
+            "--size",
+            "8x8",
+        ];
+        run_well(folder.path(), &args);
+    }
+}
+
+#[test]
+fn completions_name_the_commands() {
+    let folder = tempfile::tempdir().unwrap();
+    for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
+        let script = run_well(folder.path(), &["completions", shell]);
+        assert!(
+            script.contains("--color-map") || script.contains("color-map"),
+            "{shell}"
+        );
+    }
+}
+
+#[test]
+fn scenes_are_checked_all_of_them() {
+    let folder = folder_with_shells();
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    write("good.json", r#"{"volume": {"path": "shells.nrrd"}}"#);
+    write("bare.json", r#"{"preset": "mr"}"#);
+    write(
+        "bad.json",
+        r#"{"volume": {"path": "shells.nrrd"}, "step_mm": 0, "size": [0, 1]}"#,
+    );
+    let out = run_well(folder.path(), &["scene", "check", "good.json", "bare.json"]);
+    assert!(out.contains("good.json: can be drawn"), "{out}");
+    assert!(out.contains("bare.json: every key is known"), "{out}");
+    let run = run(
+        folder.path(),
+        &["scene", "check", "bad.json", "good.json", "shells.nrrd"],
+    );
+    assert_eq!(run.code, Some(1));
+    assert!(run.out.contains("good.json: can be drawn"));
+    for word in [
+        "bad.json: ",
+        "size[0] is 0",
+        "step_mm is 0",
+        "shells.nrrd: not a scene",
+    ] {
+        assert!(run.err.contains(word), "no {word:?} in {}", run.err);
+    }
+}
+
+#[test]
+fn the_schema_is_the_one_checked_in() {
+    let folder = tempfile::tempdir().unwrap();
+    let printed = run_well(folder.path(), &["scene", "schema"]);
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/scene.schema.json");
+    assert!(
+        printed == fs::read_to_string(path).unwrap(),
+        "print it again: CONTRIBUTING.md"
+    );
+}

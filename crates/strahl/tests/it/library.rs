@@ -1,0 +1,116 @@
+//! The library front.
+
+use super::*;
+use strahl::scene::{PlaneClip, TransferPoint};
+use strahl::{Background, Clip, Color, Error, Recipe, Render, Scene, TransferFunction};
+
+#[test]
+fn a_file_becomes_a_picture() {
+    let folder = folder_with_shells();
+    let picture = folder.path().join("picture.png");
+    strahl::render_file(folder.path().join("shells.nrrd"), &picture).unwrap();
+    let recipe = Recipe::of_file(&picture).unwrap().unwrap();
+    assert_eq!(recipe.software, strahl::SOFTWARE);
+    let scene = Scene::parse("recipe", &recipe.scene).unwrap();
+    assert_eq!(scene.volume.unwrap().path.as_deref(), Some("shells.nrrd"));
+}
+
+#[test]
+fn memory_and_file_give_the_same_picture() {
+    let folder = folder_with_shells();
+    let path = folder.path().join("shells.nrrd");
+    let loaded = strahl::load(&path, &Default::default()).unwrap();
+    let from_memory = Render::volume(&loaded.volume)
+        .size(32, 24)
+        .picture()
+        .unwrap();
+    let from_file = Render::file(&path).size(32, 24).picture().unwrap();
+    assert_eq!(from_memory.image, from_file.image);
+    assert_eq!(from_memory.scene.volume, None);
+}
+
+#[test]
+fn what_is_built_is_drawn() {
+    let volume = shells();
+    let red = Color([1.0, 0.0, 0.0]);
+    let picture = Render::volume(&volume)
+        .transfer_function(TransferFunction {
+            points: Some(vec![
+                TransferPoint::new(0.1, 0.0, red),
+                TransferPoint::new(0.3, 1.0, red),
+            ]),
+            ..TransferFunction::default()
+        })
+        .clip(Clip::Plane(PlaneClip {
+            normal: [1.0, 0.0, 0.0],
+            ..PlaneClip::default()
+        }))
+        .view(strahl::View::Front)
+        .background(Background::Transparent)
+        .size(40, 40)
+        .picture()
+        .unwrap();
+    // Seen from the front, the patient's right (+x) is on the left of the picture; the plane keeps it.
+    let half = |from: u32, to: u32| {
+        (from..to)
+            .flat_map(|x| (0..40).map(move |y| (x, y)))
+            .map(|(x, y)| picture.image.pixel(x, y))
+            .fold([0.0f32; 4], |sum, p| std::array::from_fn(|c| sum[c] + p[c]))
+    };
+    let (left, right) = (half(0, 20), half(21, 40));
+    assert!(left[0] > 20.0 && left[3] > 100.0, "{left:?}");
+    assert!(left[0] > left[1] * 2.0, "{left:?}");
+    assert!(right[3] < 0.1 * left[3], "{left:?} {right:?}");
+}
+
+#[test]
+fn mistakes_come_all_at_once() {
+    let volume = shells();
+    let nan = TransferPoint {
+        value: f64::NAN,
+        opacity: Some(0.5),
+        color: None,
+    };
+    let error = Render::volume(&volume)
+        .size(0, 10)
+        .preset("ct-bonne")
+        .transfer_function(TransferFunction {
+            points: Some(vec![nan]),
+            ..TransferFunction::default()
+        })
+        .with(|scene| scene.step_mm = Some(-1.0))
+        .picture()
+        .unwrap_err();
+    let Error::Problems {
+        file: None,
+        problems,
+    } = &error
+    else {
+        panic!("{error}")
+    };
+    let paths: Vec<&str> = problems.iter().map(|p| p.path.as_str()).collect();
+    for path in [
+        "preset",
+        "size[0]",
+        "transfer_function.points[0].value",
+        "step_mm",
+    ] {
+        assert!(paths.contains(&path), "{path} not in {paths:?}");
+    }
+}
+
+#[test]
+fn progress_reaches_its_end() {
+    let folder = folder_with_shells();
+    let told = std::sync::Mutex::new(Vec::new());
+    let tell = |stage, part| told.lock().unwrap().push((stage, part));
+    Render::file(folder.path().join("shells.nrrd"))
+        .size(64, 64)
+        .progress(&tell)
+        .picture()
+        .unwrap();
+    let told = told.into_inner().unwrap();
+    for stage in [strahl::Stage::Reading, strahl::Stage::Drawing] {
+        assert!(told.contains(&(stage, 1.0)), "{stage:?}: {told:?}");
+    }
+}

@@ -1,0 +1,156 @@
+//! Picture files: made again from themselves, the same at any number of threads.
+
+use super::*;
+use std::fs;
+
+fn bytes(folder: &Path, name: &str) -> Vec<u8> {
+    fs::read(folder.join(name)).unwrap()
+}
+
+#[test]
+fn a_picture_can_be_made_again_from_itself() {
+    let folder = folder_with_shells();
+    let here = folder.path();
+    let look = ["--size", "40x30", "--preset", "mip", "--color-map", "magma"];
+    for name in ["a.png", "a.exr"] {
+        run_well(
+            here,
+            &[&["render", "shells.nrrd", "-o", name], &look[..]].concat(),
+        );
+        let again = format!("again-{name}");
+        run_well(here, &["render", name, "-o", &again]);
+        assert!(bytes(here, name) == bytes(here, &again), "{name}");
+    }
+    // From one kind to the other, too.
+    run_well(here, &["render", "a.exr", "-o", "from-exr.png"]);
+    assert!(bytes(here, "a.png") == bytes(here, "from-exr.png"));
+    // And with its data in another place, called from elsewhere.
+    let moved = here.join("moved");
+    fs::create_dir(&moved).unwrap();
+    for name in ["a.png", "shells.nrrd"] {
+        fs::rename(here.join(name), moved.join(name)).unwrap();
+    }
+    run_well(here, &["render", "moved/a.png", "-o", "moved/again.png"]);
+    assert!(bytes(&moved, "a.png") == bytes(&moved, "again.png"));
+}
+
+#[test]
+fn flags_change_a_picture_that_is_made_again() {
+    let folder = folder_with_shells();
+    let here = folder.path();
+    run_well(
+        here,
+        &["render", "shells.nrrd", "-o", "a.png", "--size", "24x24"],
+    );
+    run_well(here, &["render", "a.png", "-o", "b.png", "--view", "back"]);
+    run_well(
+        here,
+        &[
+            "render",
+            "shells.nrrd",
+            "-o",
+            "c.png",
+            "--size",
+            "24x24",
+            "--view",
+            "back",
+        ],
+    );
+    assert!(bytes(here, "a.png") != bytes(here, "b.png"));
+    assert!(bytes(here, "b.png") == bytes(here, "c.png"));
+}
+
+/// A picture of several files does not know them; the message says what to do.
+#[test]
+fn a_picture_of_several_files_asks_for_them() {
+    let Some(head) = shared_data("head-mr-dicom") else {
+        return;
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let slices: Vec<String> = names(&head)
+        .iter()
+        .take(4)
+        .map(|name| head.join(name).display().to_string())
+        .collect();
+    let slices: Vec<&str> = slices.iter().map(String::as_str).collect();
+    let render = |first: &[&str], name: &str| {
+        let args = [first, &slices, &["-o", name, "--size", "32x32"]].concat();
+        run_well(folder.path(), &args);
+    };
+    render(&["render"], "a.png");
+    let again = run(folder.path(), &["render", "a.png", "-o", "b.png"]);
+    assert_eq!(again.code, Some(1));
+    assert!(
+        again.err.contains("a.png: volume is missing"),
+        "{}",
+        again.err
+    );
+    render(&["render", "a.png"], "b.png");
+    assert!(bytes(folder.path(), "a.png") == bytes(folder.path(), "b.png"));
+}
+
+#[test]
+fn threads_change_nothing() {
+    let folder = folder_with_shells();
+    let mut pictures = ["1", "2", "7"].map(|threads| {
+        let name = format!("{threads}.exr");
+        let args = [
+            "render",
+            "shells.nrrd",
+            "-o",
+            &name,
+            "--size",
+            "70x50",
+            "--threads",
+            threads,
+        ];
+        run_well(folder.path(), &args);
+        bytes(folder.path(), &name)
+    });
+    pictures.sort();
+    assert!(pictures[0] == pictures[2]);
+}
+
+#[test]
+fn bits_are_as_asked() {
+    let folder = folder_with_shells();
+    for (name, bits, depth) in [("a.png", "8", 8), ("b.png", "16", 16)] {
+        let args = [
+            "render",
+            "shells.nrrd",
+            "-o",
+            name,
+            "--size",
+            "8x8",
+            "--bits",
+            bits,
+        ];
+        run_well(folder.path(), &args);
+        // Byte 24 of a PNG is the bit depth of its header chunk.
+        assert_eq!(bytes(folder.path(), name)[24], depth);
+    }
+}
+
+#[test]
+fn transparent_pictures_have_alpha() {
+    let folder = folder_with_shells();
+    let args = [
+        "render",
+        "shells.nrrd",
+        "-o",
+        "a.png",
+        "--size",
+        "40x20",
+        "--transparent",
+    ];
+    run_well(folder.path(), &args);
+    let file = fs::File::open(folder.path().join("a.png")).unwrap();
+    let mut reader = png::Decoder::new(std::io::BufReader::new(file))
+        .read_info()
+        .unwrap();
+    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+    let info = reader.next_frame(&mut pixels).unwrap();
+    assert_eq!(info.color_type, png::ColorType::Rgba);
+    assert_eq!(pixels[..4], [0; 4]);
+    assert!(pixels.chunks(4).any(|pixel| pixel[3] > 200));
+}

@@ -1,0 +1,169 @@
+//! What can go wrong with stored data, in words that name the file, the field and the remedy.
+
+use std::fmt;
+
+/// An error of this crate: what went wrong and, once a reader has said so, in which file.
+#[derive(Debug)]
+pub struct Error {
+    file: Option<String>,
+    kind: Box<ErrorKind>,
+}
+
+/// What went wrong.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ErrorKind {
+    /// The operating system could not read or write.
+    #[error("{0}")]
+    Io(#[from] std::io::Error),
+    /// No reader knows the first bytes of the file.
+    #[error(
+        "not a volume that can be read: {why}. Known are NIfTI, NRRD, MetaImage, DICOM, TIFF, PNG slices, npy, PVM, .dat and raw"
+    )]
+    Unknown {
+        /// What was looked at and found.
+        why: String,
+    },
+    /// A header field has a value that is not allowed.
+    #[error("{field} is {value}; allowed: {allowed}")]
+    Field {
+        /// The field as the format's documentation calls it.
+        field: String,
+        /// The value found.
+        value: String,
+        /// What would be right.
+        allowed: String,
+    },
+    /// A required header field is not there.
+    #[error("{field} is missing; {allowed}")]
+    Missing {
+        /// The field as the format's documentation calls it.
+        field: String,
+        /// What would be right.
+        allowed: String,
+    },
+    /// The file ends before the data that its header promises.
+    #[error("{what} is cut off: the header promises {expected} bytes, {found} are there")]
+    Truncated {
+        /// What ended early: the header, the samples, …
+        what: String,
+        /// Bytes promised.
+        expected: u64,
+        /// Bytes found.
+        found: u64,
+    },
+    /// Compressed data is damaged, or unpacks to more than its header promises.
+    #[error("the {codec} data cannot be unpacked: {why}")]
+    Compression {
+        /// gzip, bzip2, zlib, …
+        codec: &'static str,
+        /// What the decompressor said.
+        why: String,
+    },
+    /// The voxel-to-world map cannot place a volume.
+    #[error("world_from_voxel {affine} {why}")]
+    BadAffine {
+        /// The first three rows of the matrix.
+        affine: String,
+        /// What is wrong with it.
+        why: &'static str,
+    },
+    /// The file uses a part of its format that is not read or written.
+    #[error("{feature} is not supported; {instead}")]
+    Unsupported {
+        /// The part.
+        feature: String,
+        /// What to do instead.
+        instead: String,
+    },
+    /// Slices of a series do not lie on one even grid.
+    #[error("{0}")]
+    Slices(String),
+    /// Several volumes are there and none was picked.
+    #[error("{0}")]
+    Ambiguous(String),
+    /// Not enough memory for data that is really there.
+    #[error("no memory for {bytes} bytes of samples")]
+    NoMemory {
+        /// Bytes asked for.
+        bytes: u64,
+    },
+}
+
+impl Error {
+    /// A field with a value that is not allowed. Control characters of the value are escaped: it may
+    /// be anything that a file holds, and messages go to terminals.
+    pub fn field(
+        field: impl Into<String>,
+        value: impl fmt::Display,
+        allowed: impl Into<String>,
+    ) -> Error {
+        ErrorKind::Field {
+            field: field.into(),
+            value: printable(&value.to_string()),
+            allowed: allowed.into(),
+        }
+        .into()
+    }
+
+    /// The same error, said of `file`, unless a file is already named.
+    pub fn in_file(mut self, file: &str) -> Error {
+        self.file.get_or_insert_with(|| file.to_owned());
+        self
+    }
+
+    /// What went wrong.
+    pub fn kind(&self) -> &ErrorKind {
+        &self.kind
+    }
+
+    /// The file it went wrong in, if known.
+    pub fn file(&self) -> Option<&str> {
+        self.file.as_deref()
+    }
+}
+
+fn printable(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        if c.is_control() {
+            out.extend(c.escape_default());
+        } else {
+            out.push(c);
+        }
+    }
+    out
+}
+
+impl From<ErrorKind> for Error {
+    fn from(kind: ErrorKind) -> Error {
+        Error {
+            file: None,
+            kind: Box::new(kind),
+        }
+    }
+}
+
+impl From<std::io::Error> for Error {
+    fn from(error: std::io::Error) -> Error {
+        ErrorKind::Io(error).into()
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.file {
+            Some(file) => write!(f, "{file}: {}", self.kind),
+            None => self.kind.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for Error {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match &*self.kind {
+            ErrorKind::Io(error) => Some(error),
+            _ => None,
+        }
+    }
+}

@@ -1,0 +1,40 @@
+//! What is stored: scalar grids and labels, the files they come from, phantoms, min/max bricks.
+//!
+//! A [`Volume`] is samples on a [`Grid`]. Samples keep the type of their file ([`Samples`]); a
+//! *value* is the rescaled number ([`Rescale`]), HU for CT. The grid's `world_from_voxel` places
+//! voxel centres (whole-number indices) in patient RAS millimetres.
+//!
+//! This crate knows no other crate of the workspace, no file system (a reader gets [`read::Files`]),
+//! no picture and no GPU.
+//!
+//! ```
+//! use strahl_volume::read::{MemoryFiles, ReadOptions, read_file};
+//! let text = "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 3 1 1\nencoding: ascii\n\n7 8 9";
+//! let files = MemoryFiles::from([("three.nrrd".into(), text.into())]);
+//! let loaded = read_file("three.nrrd", &files, &ReadOptions::default())?;
+//! assert_eq!(loaded.volume.grid().dims(), [3, 1, 1]);
+//! assert_eq!(loaded.volume.value(2, 0, 0), 9.0);
+//! # Ok::<(), strahl_volume::Error>(())
+//! ```
+
+#![warn(missing_docs)]
+
+pub mod bricks;
+mod error;
+mod grid;
+mod labels;
+mod samples;
+mod statistics;
+mod volume;
+
+pub mod phantom;
+pub mod read;
+pub mod write;
+
+pub use error::{Error, ErrorKind};
+pub use grid::{Grid, voxel_count};
+pub use labels::{Label, LabelIds, LabelVolume};
+pub use phantom::Phantom;
+pub use samples::{Sample, SampleType, Samples};
+pub use statistics::Statistics;
+pub use volume::{Metadata, Modality, Rescale, Volume, VolumeHeader};

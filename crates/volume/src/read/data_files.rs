@@ -1,0 +1,282 @@
+//! Samples in the files that a text header names: one, a list, or a numbered sequence.
+
+use super::block::{Block, ByteReader, Encoding, Endian, Trailing};
+use super::{Bytes, Input};
+use crate::error::{Error, ErrorKind};
+use crate::{SampleType, Samples};
+use std::io::{BufRead, BufReader};
+use std::ops::Range;
+
+/// Where the samples of a header lie, and how.
+pub(crate) struct Storage {
+    pub(crate) place: Place,
+    /// What the format calls the entry that names the files.
+    pub(crate) field: &'static str,
+    pub(crate) encoding: Encoding,
+    pub(crate) endian: Endian,
+    /// Text lines before the (encoded) samples of each file …
+    pub(crate) line_skip: u64,
+    /// … and then decoded bytes.
+    pub(crate) byte_skip: ByteSkip,
+}
+
+/// Which file the samples are in.
+pub(crate) enum Place {
+    /// In the header's own file from a position on.
+    After(u64),
+    /// In files beside it, each with the same number of samples.
+    Files(Vec<String>),
+}
+
+/// Bytes to leave out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum ByteSkip {
+    Front(u64),
+    /// Whatever is left when the samples lie at the end of the file (raw only).
+    AllButTheEnd,
+}
+
+impl Storage {
+    /// The samples of `range`, of `total` that all files hold together.
+    ///
+    /// # Errors
+    /// A file that is not there; what [`Block::read`] finds; a total that the files cannot share
+    /// evenly.
+    pub(crate) fn read(
+        &self,
+        input: &Input,
+        sample_type: SampleType,
+        total: usize,
+        range: Range<usize>,
+    ) -> Result<Samples, Error> {
+        let mut samples = Samples::new(sample_type);
+        match &self.place {
+            &Place::After(offset) => {
+                self.append(input.bytes, offset, &mut samples, total, range)?;
+            }
+            Place::Files(names) => {
+                if names.is_empty() || !total.is_multiple_of(names.len()) {
+                    return Err(Error::field(
+                        self.field,
+                        format!("{} files", names.len()),
+                        format!("a number of files that divides {total} samples"),
+                    ));
+                }
+                let each = total / names.len();
+                for (i, path) in names.iter().enumerate() {
+                    let here = (i * each).max(range.start)..((i + 1) * each).min(range.end);
+                    if here.is_empty() {
+                        continue;
+                    }
+                    let (name, bytes) = open(input, self.field, path)?;
+                    let here = here.start - i * each..here.end - i * each;
+                    self.append(&*bytes, 0, &mut samples, each, here)
+                        .map_err(|error| error.in_file(&name))?;
+                }
+            }
+        }
+        Ok(samples)
+    }
+
+    fn append(
+        &self,
+        bytes: &dyn Bytes,
+        offset: u64,
+        samples: &mut Samples,
+        total: usize,
+        range: Range<usize>,
+    ) -> Result<(), Error> {
+        let size = samples.sample_type().size() as u64;
+        let all_bytes = (total as u64)
+            .checked_mul(size)
+            .ok_or_else(|| Error::field("number of samples", total, "fewer"))?;
+        let mut offset = skip_lines(bytes, offset, self.line_skip)?;
+        let mut encoding = self.encoding;
+        if encoding == Encoding::Zlib && begins_like_gzip(bytes, offset)? {
+            encoding = Encoding::Gzip;
+        }
+        let skip = match self.byte_skip {
+            ByteSkip::Front(skip) => skip,
+            ByteSkip::AllButTheEnd => {
+                offset = bytes
+                    .len()
+                    .checked_sub(all_bytes)
+                    .ok_or(ErrorKind::Truncated {
+                        what: "the sample data".into(),
+                        expected: all_bytes,
+                        found: bytes.len(),
+                    })?;
+                0
+            }
+        };
+        // Numbers in text are counted one by one, everything else in bytes.
+        let before = range.start as u64 * if encoding == Encoding::Ascii { 1 } else { size };
+        let block = Block {
+            bytes,
+            offset,
+            encoding,
+            skip: skip
+                .checked_add(before)
+                .ok_or_else(|| Error::field("bytes to skip", skip, "fewer"))?,
+            endian: self.endian,
+            trailing: if encoding == Encoding::Raw || range.end < total {
+                Trailing::Ignored
+            } else {
+                Trailing::Refused
+            },
+        };
+        block.append(samples, range.len())
+    }
+}
+
+/// Opens the file that `field` names. Only files beside the header can be, whatever folder it says:
+/// a header must not reach into places that the user did not name.
+///
+/// # Errors
+/// Says which field names which file if it is not there.
+pub(crate) fn open<'a>(
+    input: &Input<'a>,
+    field: &str,
+    path: &str,
+) -> Result<(String, Box<dyn Bytes + 'a>), Error> {
+    let name = path.rsplit(['/', '\\']).next().unwrap_or(path).trim();
+    match input.files.open(name) {
+        Ok(bytes) => Ok((name.to_owned(), bytes)),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Err(Error::field(
+            field,
+            format!("`{path}`"),
+            format!(
+                "the name of a file beside {}; there is no {name}",
+                input.name
+            ),
+        )),
+        Err(error) => Err(Error::from(error).in_file(name)),
+    }
+}
+
+/// The names that a pattern such as `slice%03d.raw` with first, last and step makes. The step may
+/// be negative.
+///
+/// # Errors
+/// A pattern without exactly one `%d`, a step of 0 or of the wrong sign, or too many names.
+pub(crate) fn numbered(
+    field: &str,
+    pattern: &str,
+    first: i64,
+    last: i64,
+    step: i64,
+) -> Result<Vec<String>, Error> {
+    const MOST: i64 = 1 << 20;
+    let steps = last
+        .checked_sub(first)
+        .and_then(|span| span.checked_div(step))
+        .filter(|steps| (0..MOST).contains(steps));
+    let Some(steps) = steps else {
+        return Err(Error::field(
+            field,
+            format!("first {first}, last {last}, step {step}"),
+            format!(
+                "a step that leads from the first to the last number in less than {MOST} steps"
+            ),
+        ));
+    };
+    let wrong = || {
+        Error::field(
+            field,
+            format!("`{pattern}`"),
+            "a name with exactly one `%d`, `%03d` or the like",
+        )
+    };
+    let (before, rest) = pattern.split_once('%').ok_or_else(wrong)?;
+    let end = rest.find(['d', 'i', 'u']).ok_or_else(wrong)?;
+    let (width, after) = (&rest[..end], &rest[end + 1..]);
+    let zeros = width.starts_with('0') || width.starts_with('.');
+    let digits = width.trim_start_matches(['0', '.']);
+    let width: usize = match digits {
+        "" => 0,
+        digits => digits.parse().ok().filter(|&w| w <= 32).ok_or_else(wrong)?,
+    };
+    if after.contains('%') {
+        return Err(wrong());
+    }
+    Ok((0..=steps)
+        .map(|i| first + i * step)
+        .map(|n| {
+            if zeros {
+                format!("{before}{n:0width$}{after}")
+            } else {
+                format!("{before}{n:width$}{after}")
+            }
+        })
+        .collect())
+}
+
+fn skip_lines(bytes: &dyn Bytes, offset: u64, lines: u64) -> Result<u64, Error> {
+    if lines == 0 {
+        return Ok(offset);
+    }
+    let mut source = BufReader::new(ByteReader::new(bytes, offset));
+    let mut position = offset;
+    let mut left = lines;
+    while left > 0 {
+        let buffer = source.fill_buf()?;
+        if buffer.is_empty() {
+            return Err(Error::field(
+                "lines to skip",
+                lines,
+                format!("at most the {} that are there", lines - left),
+            ));
+        }
+        let used = match buffer.iter().position(|&c| c == b'\n') {
+            Some(n) => {
+                left -= 1;
+                n + 1
+            }
+            None => buffer.len(),
+        };
+        source.consume(used);
+        position += used as u64;
+    }
+    Ok(position)
+}
+
+fn begins_like_gzip(bytes: &dyn Bytes, offset: u64) -> Result<bool, Error> {
+    let mut magic = [0; 2];
+    if bytes.len().saturating_sub(offset) < 2 {
+        return Ok(false);
+    }
+    bytes.read_at(offset, &mut magic)?;
+    Ok(magic == [0x1f, 0x8b])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbered_names_follow_printf() {
+        let names = |pattern, first, last, step| numbered("data file", pattern, first, last, step);
+        assert_eq!(
+            names("s%03d.raw", 8, 12, 2).unwrap(),
+            ["s008.raw", "s010.raw", "s012.raw"]
+        );
+        assert_eq!(names("%d", 2, 1, -1).unwrap(), ["2", "1"]);
+        assert_eq!(names("a%2i", 9, 10, 1).unwrap(), ["a 9", "a10"]);
+        for (pattern, first, last, step) in [
+            ("none", 0, 1, 1),
+            ("%d%d", 0, 1, 1),
+            ("%s", 0, 1, 1),
+            ("%999999999999d", 0, 1, 1),
+            ("%d", 0, 1, 0),
+            ("%d", 0, 1, -1),
+            ("%d", 0, i64::MAX, 1),
+            ("%d", i64::MIN, i64::MAX, 1),
+            ("%d", i64::MIN, 0, -1),
+        ] {
+            assert!(
+                names(pattern, first, last, step).is_err(),
+                "{pattern} {first} {last} {step}"
+            );
+        }
+    }
+}

@@ -1,0 +1,582 @@
+//! DICOM: the slices of a series, or the frames of a multi-frame file, put together to a volume.
+//!
+//! The elements of all files are read first (`elements`), without the pixels; then files are
+//! grouped to series (`series`), their images placed (`frames`) and sorted along the normal
+//! (`stack`); last the pixels are decoded, each slice straight to where it stays (`pixels`).
+//! Neither file names nor instance numbers order anything.
+
+mod elements;
+mod frames;
+mod jpeg_ls;
+mod pixels;
+mod rle;
+mod series;
+mod stack;
+mod syntax;
+
+use super::{Bytes, Files, Input, Loaded, ReadOptions};
+use crate::error::{Error, ErrorKind};
+use crate::{Grid, Metadata, Modality, Rescale, Sample, SampleType, Samples, Volume};
+use dicom_dictionary_std::tags;
+use frames::{Frame, Image};
+use pixels::Source;
+pub use series::SeriesSummary;
+use stack::Stack;
+use std::collections::BTreeMap;
+use std::io;
+
+/// The series among `files`, by series number.
+///
+/// # Errors
+/// What the system says when a file is read. Files that are no DICOM images are passed over.
+pub fn list_series(files: &dyn Files) -> Result<Vec<SeriesSummary>, Error> {
+    let scan = series::scan(files)?;
+    Ok(scan
+        .series
+        .into_iter()
+        .map(|(summary, _)| summary)
+        .collect())
+}
+
+/// A multi-frame file alone; a file with one image stands for its whole series in the folder.
+pub(crate) fn read_file(input: &Input, options: &ReadOptions) -> Result<Loaded, Error> {
+    let (image, result) = series::image(input.name, input.bytes);
+    result?;
+    let image = image.ok_or_else(|| {
+        Error::from(ErrorKind::Missing {
+            field: elements::field_name(tags::PIXEL_DATA),
+            allowed: "this DICOM file holds no image".into(),
+        })
+    })?;
+    if options.series.is_some() {
+        return read_folder(input.name, input.files, options);
+    }
+    let uid = image.series();
+    let alone = One {
+        name: input.name,
+        bytes: input.bytes,
+    };
+    if uid.is_empty() || image.frames()? > 1 {
+        return assemble(vec![image], &alone, options, Vec::new());
+    }
+    let scan = series::scan(input.files)?;
+    let found = scan
+        .series
+        .iter()
+        .position(|(_, images)| images.iter().any(|other| other.name == input.name));
+    // Not found there: the file was packed, its bytes are known to us alone.
+    let Some(index) = found else {
+        return assemble(vec![image], &alone, options, Vec::new());
+    };
+    let mut notes = Vec::new();
+    let damaged = damaged(scan.damaged, &uid, &mut notes);
+    let mut all = scan.series;
+    let (_, images) = all.swap_remove(index);
+    damaged?;
+    if images.len() > 1 {
+        notes.insert(
+            0,
+            format!(
+                "{} is one of {} files of its series; all were read",
+                input.name,
+                images.len()
+            ),
+        );
+    }
+    assemble(images, input.files, options, notes)
+}
+
+/// The series of a folder that `options.series` picks, or the only one.
+pub(crate) fn read_folder(
+    name: &str,
+    files: &dyn Files,
+    options: &ReadOptions,
+) -> Result<Loaded, Error> {
+    let scan = series::scan(files)?;
+    let (summary, images, rest) = scan.pick(options.series.as_deref())?;
+    let mut notes = rest.notes;
+    damaged(rest.damaged, &summary.uid, &mut notes)?;
+    let mut loaded = assemble(images, files, options, notes)?;
+    if summary.description.is_empty() {
+        let (grid, samples, rescale, mut metadata) = loaded.volume.into_parts();
+        metadata.name = name.to_owned();
+        loaded.volume = Volume::new(grid, samples, rescale, metadata)?;
+    }
+    Ok(loaded)
+}
+
+/// A damaged file of the series is an error, one of an unknown series is told.
+fn damaged(
+    files: Vec<(String, Option<String>, Error)>,
+    uid: &str,
+    notes: &mut Vec<String>,
+) -> Result<(), Error> {
+    for (_, series, error) in files {
+        match series {
+            Some(series) if series == uid => return Err(error),
+            Some(_) => {}
+            None => notes.push(format!("left out: {error}")),
+        }
+    }
+    Ok(())
+}
+
+/// A file whose bytes are at hand, as if it were alone in its folder.
+struct One<'a> {
+    name: &'a str,
+    bytes: &'a dyn Bytes,
+}
+
+impl Files for One<'_> {
+    fn names(&self) -> Vec<String> {
+        vec![self.name.to_owned()]
+    }
+
+    fn open(&self, name: &str) -> io::Result<Box<dyn Bytes + '_>> {
+        match name == self.name {
+            true => Ok(Box::new(self.bytes)),
+            false => Err(io::ErrorKind::NotFound.into()),
+        }
+    }
+}
+
+/// The volume that the images of one series make.
+fn assemble(
+    mut images: Vec<Image>,
+    files: &dyn Files,
+    options: &ReadOptions,
+    mut notes: Vec<String>,
+) -> Result<Loaded, Error> {
+    drop_copies(&mut images, &mut notes);
+    let frames = place(&images, options, &mut notes)?;
+    let set = images[frames[0].image].set();
+    let thickness = match set.decimal(tags::SPACING_BETWEEN_SLICES)? {
+        Some(mm) if mm > 0.0 => Some(mm),
+        _ => set.decimal(tags::SLICE_THICKNESS)?,
+    };
+    let name_of = |frame: &Frame| match images[frame.image].frames() {
+        Ok(1) => images[frame.image].name.clone(),
+        _ => format!("{}, frame {}", images[frame.image].name, frame.frame + 1),
+    };
+    let stack = stack::arrange(&frames, &name_of, thickness, options)?;
+    let slices: Vec<&Frame> = stack.slices.iter().map(|slice| &frames[*slice]).collect();
+    let layout = slices[0].layout;
+    let count = match stack.resampled.len() {
+        0 => slices.len(),
+        n => n,
+    };
+    let grid = Grid::new([layout.columns, layout.rows, count], stack.world_from_voxel)?;
+
+    let rescale = slices[0].rescale;
+    let is_uniform = slices.iter().all(|slice| slice.rescale == rescale);
+    let reader = Reader {
+        files,
+        images: &images,
+        slices: &slices,
+    };
+    let (mut samples, rescale) = if is_uniform {
+        (reader.stored(layout.sample_type)?, rescale)
+    } else {
+        notes.push(
+            "the rescale differs from slice to slice; the values were put on one scale as f32"
+                .into(),
+        );
+        (reader.values(layout.sample_type)?, Rescale::IDENTITY)
+    };
+    if !stack.resampled.is_empty() {
+        samples = crate::with_samples!(&samples, s => resample(s, layout.frame_samples(), &stack.resampled)?);
+    }
+    notes.extend(stack.notes.iter().cloned());
+    let metadata = metadata(&images, &slices, &stack, options, &mut notes);
+    Ok(Loaded {
+        volume: Volume::new(grid, samples, rescale, metadata)?,
+        labels: None,
+        notes,
+    })
+}
+
+/// The same image in two files, as exports with several folders have it, counts once.
+fn drop_copies(images: &mut Vec<Image>, notes: &mut Vec<String>) {
+    let mut seen = BTreeMap::new();
+    let before = images.len();
+    images.retain(|image| match image.set().text(tags::SOP_INSTANCE_UID) {
+        Some(uid) => seen.insert(uid, ()).is_none(),
+        None => true,
+    });
+    if images.len() < before {
+        notes.push(format!(
+            "{} files are copies of others (same SOPInstanceUID) and were left out",
+            before - images.len()
+        ));
+    }
+}
+
+/// The frames of the largest group of one size, type and orientation.
+fn place(
+    images: &[Image],
+    options: &ReadOptions,
+    notes: &mut Vec<String>,
+) -> Result<Vec<Frame>, Error> {
+    let mut groups: Vec<Vec<Frame>> = Vec::new();
+    let mut unplaced: Option<&str> = None;
+    let mut unsupported: Option<Error> = None;
+    let (mut unplaced_count, mut unsupported_count) = (0, 0);
+    for (number, image) in images.iter().enumerate() {
+        let frames = match frames::of_image(number, image, options, notes) {
+            Ok(Some(frames)) => frames,
+            Ok(None) => {
+                unplaced_count += 1;
+                unplaced.get_or_insert(&image.name);
+                continue;
+            }
+            Err(error) if matches!(error.kind(), ErrorKind::Unsupported { .. }) => {
+                unsupported_count += 1;
+                unsupported.get_or_insert(error.in_file(&image.name));
+                continue;
+            }
+            Err(error) => return Err(error.in_file(&image.name)),
+        };
+        for frame in frames {
+            match groups.iter_mut().find(|group| belongs(&group[0], &frame)) {
+                Some(group) => group.push(frame),
+                None => groups.push(vec![frame]),
+            }
+        }
+    }
+    let largest = groups
+        .iter()
+        .enumerate()
+        // The first of several equal ones: the order of the files is that of their names.
+        .max_by_key(|(i, group)| (group.len(), std::cmp::Reverse(*i)))
+        .map(|(i, _)| i);
+    let Some(largest) = largest else {
+        return Err(match (unsupported, unplaced) {
+            (Some(error), _) => error,
+            (None, name) => Error::from(ErrorKind::Missing {
+                field: elements::field_name(tags::IMAGE_POSITION_PATIENT),
+                allowed: "slices without a place in the patient make no volume; save them as PNG or TIFF and read those with --spacing X,Y,Z".into(),
+            })
+            .in_file(name.unwrap_or_default()),
+        });
+    };
+    let chosen = groups.swap_remove(largest);
+    for group in &groups {
+        let (kept, frame) = (&chosen[0], &group[0]);
+        let reason = if (frame.layout.columns, frame.layout.rows)
+            != (kept.layout.columns, kept.layout.rows)
+        {
+            format!("other size, {}×{}", frame.layout.columns, frame.layout.rows)
+        } else if frame.layout.sample_type != kept.layout.sample_type {
+            format!("other sample type, {}", frame.layout.sample_type)
+        } else if !is_parallel(frame, kept) {
+            "other orientation".to_owned()
+        } else {
+            "other pixel spacing".to_owned()
+        };
+        notes.push(format!(
+            "{} images were left out ({reason}; first in {})",
+            group.len(),
+            images[frame.image].name
+        ));
+    }
+    if let Some(name) = unplaced {
+        notes.push(format!(
+            "{unplaced_count} images without a place in the patient were left out (first in {name})"
+        ));
+    }
+    if let Some(error) = unsupported {
+        notes.push(format!(
+            "{unsupported_count} images were left out ({error})"
+        ));
+    }
+    Ok(chosen)
+}
+
+/// Whether two frames can be slices of one volume.
+fn belongs(a: &Frame, b: &Frame) -> bool {
+    let near = |a: f64, b: f64| (a - b).abs() <= 1e-3 * a;
+    (a.layout.columns, a.layout.rows, a.layout.sample_type)
+        == (b.layout.columns, b.layout.rows, b.layout.sample_type)
+        && is_parallel(a, b)
+        && near(a.spacing[0], b.spacing[0])
+        && near(a.spacing[1], b.spacing[1])
+}
+
+/// Within rounding: a thousandth moves the far corner of a 512-sample slice by half a sample.
+fn is_parallel(a: &Frame, b: &Frame) -> bool {
+    a.row.distance(b.row) <= 1e-3 && a.column.distance(b.column) <= 1e-3
+}
+
+/// Decodes slices.
+struct Reader<'a> {
+    files: &'a dyn Files,
+    images: &'a [Image],
+    slices: &'a [&'a Frame],
+}
+
+macro_rules! with_type {
+    ($sample_type:expr, $type:ident => $body:expr) => {
+        match $sample_type {
+            SampleType::U8 => {
+                type $type = u8;
+                $body
+            }
+            SampleType::I8 => {
+                type $type = i8;
+                $body
+            }
+            SampleType::U16 => {
+                type $type = u16;
+                $body
+            }
+            SampleType::I16 => {
+                type $type = i16;
+                $body
+            }
+            SampleType::U32 => {
+                type $type = u32;
+                $body
+            }
+            SampleType::I32 => {
+                type $type = i32;
+                $body
+            }
+            SampleType::F32 => {
+                type $type = f32;
+                $body
+            }
+            SampleType::F64 => {
+                type $type = f64;
+                $body
+            }
+        }
+    };
+}
+
+impl Reader<'_> {
+    /// The samples as they are stored.
+    fn stored(&self, sample_type: SampleType) -> Result<Samples, Error> {
+        with_type!(sample_type, T => {
+            self.fill::<T>(|source, frame, samples| source.read(frame.frame, samples))
+        })
+    }
+
+    /// The rescaled values.
+    fn values(&self, sample_type: SampleType) -> Result<Samples, Error> {
+        with_type!(sample_type, T => {
+            self.fill::<f32>(|source, frame, values| {
+                let mut stored = vec![<T as bytemuck::Zeroable>::zeroed(); values.len()];
+                source.read(frame.frame, &mut stored)?;
+                for (value, stored) in values.iter_mut().zip(stored) {
+                    *value = frame.rescale.value(stored.to_f64()) as f32;
+                }
+                Ok(())
+            })
+        })
+    }
+
+    fn fill<T: Sample>(
+        &self,
+        read: impl Fn(&Source, &Frame, &mut [T]) -> Result<(), Error> + Sync,
+    ) -> Result<Samples, Error> {
+        let frame_samples = self.slices[0].layout.frame_samples();
+        let mut samples = zeroed::<T>(frame_samples.checked_mul(self.slices.len()))?;
+        let mut by_image: BTreeMap<usize, Vec<(&Frame, &mut [T])>> = BTreeMap::new();
+        for (frame, into) in self
+            .slices
+            .iter()
+            .zip(samples.chunks_exact_mut(frame_samples))
+        {
+            by_image.entry(frame.image).or_default().push((frame, into));
+        }
+        in_parallel(by_image.into_iter().collect(), |(image, parts)| {
+            let image = &self.images[image];
+            self.read_image(image, parts, &read)
+                .map_err(|error| error.in_file(&image.name))
+        })?;
+        Ok(T::wrap(samples))
+    }
+
+    fn read_image<T: Sample>(
+        &self,
+        image: &Image,
+        parts: Vec<(&Frame, &mut [T])>,
+        read: &(impl Fn(&Source, &Frame, &mut [T]) -> Result<(), Error> + Sync),
+    ) -> Result<(), Error> {
+        let bytes = self.files.open(&image.name)?;
+        let layout = parts[0].0.layout;
+        let frames = image.frames()?;
+        let inflated;
+        let bytes: &dyn Bytes = if image.elements.syntax.is_deflated {
+            let end = image.pixels.offset + layout.frame_bytes() * frames as u64;
+            inflated = elements::inflate(&*bytes, image.elements.set_offset, end)?;
+            if (inflated.len() as u64) < end {
+                return Err(ErrorKind::Truncated {
+                    what: "the deflated pixel data".into(),
+                    expected: end,
+                    found: inflated.len() as u64,
+                }
+                .into());
+            }
+            &inflated
+        } else {
+            &*bytes
+        };
+        let source = Source::new(&image.elements, image.pixels, &layout, frames, bytes)?;
+        in_parallel(parts, |(frame, samples)| read(&source, frame, samples))
+    }
+}
+
+/// Memory that the system clears when it is touched.
+fn zeroed<T: Sample>(count: Option<usize>) -> Result<Vec<T>, Error> {
+    let no_memory = |bytes| Error::from(ErrorKind::NoMemory { bytes });
+    let count = count.ok_or_else(|| no_memory(u64::MAX))?;
+    bytemuck::allocation::try_zeroed_vec(count)
+        .map_err(|()| no_memory((count as u64).saturating_mul(size_of::<T>() as u64)))
+}
+
+/// Slices on an even grid, between those that are there.
+fn resample<T: Sample>(
+    samples: &[T],
+    frame_samples: usize,
+    places: &[(usize, f64)],
+) -> Result<Samples, Error> {
+    let mut even = zeroed::<T>(frame_samples.checked_mul(places.len()))?;
+    let slice = |i: usize| &samples[i * frame_samples..(i + 1) * frame_samples];
+    for (into, (below, part)) in even.chunks_exact_mut(frame_samples).zip(places) {
+        for ((into, low), high) in into.iter_mut().zip(slice(*below)).zip(slice(below + 1)) {
+            let (low, high) = (low.to_f64(), high.to_f64());
+            *into = T::from_f64(low + (high - low) * part);
+        }
+    }
+    Ok(T::wrap(even))
+}
+
+/// Runs over all items, on all cores where threads are built in.
+///
+/// # Errors
+/// One of those that the items gave.
+fn in_parallel<I: Send>(
+    items: Vec<I>,
+    work: impl Fn(I) -> Result<(), Error> + Sync + Send,
+) -> Result<(), Error> {
+    #[cfg(feature = "threads")]
+    {
+        use rayon::prelude::*;
+        items.into_par_iter().try_for_each(work)
+    }
+    #[cfg(not(feature = "threads"))]
+    items.into_iter().try_for_each(work)
+}
+
+fn metadata(
+    images: &[Image],
+    slices: &[&Frame],
+    stack: &Stack,
+    options: &ReadOptions,
+    notes: &mut Vec<String>,
+) -> Metadata {
+    let image = &images[slices[0].image];
+    let set = image.set();
+    let code = set.text(tags::MODALITY).unwrap_or_default();
+    let modality = match code.as_str() {
+        "CT" => Some(Modality::Ct),
+        "MR" => Some(Modality::Mr),
+        "PT" | "NM" => Some(Modality::Nuclear),
+        "US" => Some(Modality::Ultrasound),
+        "SM" | "GM" => Some(Modality::Microscopy),
+        _ => None,
+    };
+    let transformation = set
+        .items(tags::PER_FRAME_FUNCTIONAL_GROUPS_SEQUENCE)
+        .first()
+        .into_iter()
+        .chain(set.items(tags::SHARED_FUNCTIONAL_GROUPS_SEQUENCE))
+        .flat_map(|groups| groups.items(tags::PIXEL_VALUE_TRANSFORMATION_SEQUENCE))
+        .next()
+        .unwrap_or(set);
+    // US is the standard's "unspecified".
+    let rescale_type = transformation
+        .text(tags::RESCALE_TYPE)
+        .or_else(|| set.text(tags::UNITS))
+        .or_else(|| set.text(tags::DOSE_UNITS))
+        .filter(|unit| unit != "US");
+    let value_unit = match (modality, rescale_type) {
+        (_, Some(unit)) => Some(unit),
+        (Some(Modality::Ct), None) => Some("HU".to_owned()),
+        _ => None,
+    };
+
+    let mut entries = Vec::new();
+    let mut entry = |name: &str, value: Option<String>| {
+        if let Some(value) = value {
+            entries.push((name.to_owned(), value));
+        }
+    };
+    entry("modality", set.text(tags::MODALITY));
+    entry(
+        "series description",
+        set.description(tags::SERIES_DESCRIPTION),
+    );
+    entry("series number", set.text(tags::SERIES_NUMBER));
+    entry("series UID", set.text(tags::SERIES_INSTANCE_UID));
+    entry(
+        "study description",
+        set.description(tags::STUDY_DESCRIPTION),
+    );
+    entry("study date", set.text(tags::STUDY_DATE));
+    entry("protocol", set.description(tags::PROTOCOL_NAME));
+    entry("body part", set.description(tags::BODY_PART_EXAMINED));
+    entry("patient position", set.text(tags::PATIENT_POSITION));
+    entry("slice thickness (mm)", set.text(tags::SLICE_THICKNESS));
+    entry(
+        "convolution kernel",
+        set.description(tags::CONVOLUTION_KERNEL),
+    );
+    entry("tube voltage (kV)", set.text(tags::KVP));
+    entry("echo time (ms)", set.text(tags::ECHO_TIME));
+    entry("manufacturer", set.description(tags::MANUFACTURER));
+    entry("model", set.description(tags::MANUFACTURER_MODEL_NAME));
+    let window = set
+        .items(tags::PER_FRAME_FUNCTIONAL_GROUPS_SEQUENCE)
+        .first()
+        .into_iter()
+        .chain(set.items(tags::SHARED_FUNCTIONAL_GROUPS_SEQUENCE))
+        .flat_map(|groups| groups.items(tags::FRAME_VOILUT_SEQUENCE))
+        .next()
+        .unwrap_or(set);
+    // Several windows may be there; the first is the one that a viewer opens with.
+    let first = |tag| {
+        let text = window.text(tag)?;
+        text.split('\\').next().map(|part| part.trim().to_owned())
+    };
+    entry("window centre", first(tags::WINDOW_CENTER));
+    entry("window width", first(tags::WINDOW_WIDTH));
+    if let Some(padding) = set.u16(tags::PIXEL_PADDING_VALUE) {
+        let value = match set.u16(tags::PIXEL_REPRESENTATION) {
+            Some(1) => i32::from(padding as i16),
+            _ => i32::from(padding),
+        };
+        entry("pixel padding value (stored)", Some(value.to_string()));
+    }
+    if set.text(tags::PHOTOMETRIC_INTERPRETATION).as_deref() == Some("MONOCHROME1") {
+        entry("photometric interpretation", Some("MONOCHROME1".to_owned()));
+        notes.push(
+            "the images are meant to be shown inverted (MONOCHROME1: low numbers white); the numbers were kept"
+                .into(),
+        );
+    }
+    Metadata {
+        name: set
+            .description(tags::SERIES_DESCRIPTION)
+            .or_else(|| set.description(tags::PROTOCOL_NAME))
+            .unwrap_or_else(|| image.name.clone()),
+        format: "DICOM".into(),
+        modality,
+        value_unit,
+        has_length_unit: true,
+        time_points: stack.time_points,
+        time_index: options.time_index,
+        entries,
+    }
+}

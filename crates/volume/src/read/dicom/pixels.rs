@@ -1,0 +1,630 @@
+//! The samples of one frame: found in the file, unpacked, put into the range of their stored bits.
+
+use super::elements::{DataSet, Elements, PixelData, field_name};
+use super::syntax::{CONVERT, Packing};
+use super::{jpeg_ls, rle};
+use crate::error::{Error, ErrorKind};
+use crate::read::Bytes;
+use crate::{Sample, SampleType};
+use dicom_core::Tag;
+use dicom_dictionary_std::tags;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+/// How the samples of a frame are stored.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Layout {
+    pub(super) columns: usize,
+    pub(super) rows: usize,
+    /// The type that a stored sample gets in memory.
+    pub(super) sample_type: SampleType,
+    /// Bits that hold the sample …
+    bits_stored: u32,
+    /// … beginning this many bits above the lowest.
+    shift: u32,
+}
+
+impl Layout {
+    /// What the elements say, checked.
+    ///
+    /// # Errors
+    /// A missing or impossible value, or pixels that are no scalars.
+    pub(super) fn of(set: &DataSet, pixels: &PixelData) -> Result<Layout, Error> {
+        let edge = |tag: Tag| match set.u16(tag) {
+            Some(0) => Err(Error::field(field_name(tag), 0, "1 to 65535")),
+            Some(n) => Ok(usize::from(n)),
+            None => Err(missing(tag, "1 to 65535")),
+        };
+        let (rows, columns) = (edge(tags::ROWS)?, edge(tags::COLUMNS)?);
+        let photometric = set.text(tags::PHOTOMETRIC_INTERPRETATION);
+        let samples = set.u16(tags::SAMPLES_PER_PIXEL).unwrap_or(1);
+        if samples != 1
+            || !matches!(
+                photometric.as_deref(),
+                None | Some("MONOCHROME1" | "MONOCHROME2")
+            )
+        {
+            return Err(ErrorKind::Unsupported {
+                feature: format!(
+                    "{} with {samples} samples per pixel",
+                    photometric.as_deref().unwrap_or("colour")
+                ),
+                instead: "only grey images (MONOCHROME1, MONOCHROME2) make a volume; convert colour to grey first".into(),
+            }
+            .into());
+        }
+        let allocated = match pixels.tag {
+            tags::FLOAT_PIXEL_DATA => 32,
+            tags::DOUBLE_FLOAT_PIXEL_DATA => 64,
+            _ => set
+                .u16(tags::BITS_ALLOCATED)
+                .ok_or_else(|| missing(tags::BITS_ALLOCATED, "8, 16 or 32"))?,
+        };
+        let is_signed = match set.u16(tags::PIXEL_REPRESENTATION) {
+            None | Some(0) => false,
+            Some(1) => true,
+            Some(n) => {
+                return Err(Error::field(
+                    field_name(tags::PIXEL_REPRESENTATION),
+                    n,
+                    "0 (unsigned) or 1 (signed)",
+                ));
+            }
+        };
+        let sample_type = match (pixels.tag, allocated, is_signed) {
+            (tags::FLOAT_PIXEL_DATA, ..) => SampleType::F32,
+            (tags::DOUBLE_FLOAT_PIXEL_DATA, ..) => SampleType::F64,
+            (_, 8, false) => SampleType::U8,
+            (_, 8, true) => SampleType::I8,
+            (_, 16, false) => SampleType::U16,
+            (_, 16, true) => SampleType::I16,
+            (_, 32, false) => SampleType::U32,
+            (_, 32, true) => SampleType::I32,
+            (_, 1, _) => {
+                return Err(ErrorKind::Unsupported {
+                    feature: "a DICOM file of 1-bit pixels (a segmentation)".into(),
+                    instead: "convert it to .seg.nrrd or a NIfTI label volume".into(),
+                }
+                .into());
+            }
+            _ => {
+                return Err(Error::field(
+                    field_name(tags::BITS_ALLOCATED),
+                    allocated,
+                    "8, 16 or 32",
+                ));
+            }
+        };
+        let (mut bits_stored, mut shift) = (u32::from(allocated), 0);
+        if sample_type.is_integer() {
+            bits_stored = set.u16(tags::BITS_STORED).unwrap_or(allocated).into();
+            let high = set
+                .u16(tags::HIGH_BIT)
+                .map_or(bits_stored.wrapping_sub(1), u32::from);
+            if bits_stored == 0 || bits_stored > u32::from(allocated) {
+                return Err(Error::field(
+                    field_name(tags::BITS_STORED),
+                    bits_stored,
+                    format!("1 to {allocated}, the allocated bits"),
+                ));
+            }
+            if high >= u32::from(allocated) || high + 1 < bits_stored {
+                return Err(Error::field(
+                    field_name(tags::HIGH_BIT),
+                    high,
+                    format!("{} to {}", bits_stored - 1, allocated - 1),
+                ));
+            }
+            shift = high + 1 - bits_stored;
+        }
+        Ok(Layout {
+            columns,
+            rows,
+            sample_type,
+            bits_stored,
+            shift,
+        })
+    }
+
+    /// Samples of a frame.
+    pub(super) fn frame_samples(&self) -> usize {
+        self.rows * self.columns
+    }
+
+    /// Bytes of a frame that is not packed.
+    pub(super) fn frame_bytes(&self) -> u64 {
+        self.frame_samples() as u64 * self.sample_type.size() as u64
+    }
+
+    /// The same number, from the stored bits alone: what lies above them may be an old overlay.
+    fn sample(&self, raw: i64, size_bits: u32, is_signed: bool) -> i64 {
+        if self.bits_stored == size_bits && self.shift == 0 {
+            return raw;
+        }
+        let unused = 64 - self.bits_stored;
+        let bits = raw >> self.shift << unused;
+        match is_signed {
+            true => bits >> unused,
+            false => (bits as u64 >> unused) as i64,
+        }
+    }
+}
+
+pub(super) fn missing(tag: Tag, allowed: &str) -> Error {
+    ErrorKind::Missing {
+        field: field_name(tag),
+        allowed: allowed.to_owned(),
+    }
+    .into()
+}
+
+/// An element type of DICOM pixels.
+pub(super) trait Stored: Sample {
+    /// The sample whose low bits these are.
+    fn from_low_bits(bits: i64) -> Self;
+    /// The sample as a number; for floating point the truth does not matter, nobody asks.
+    fn to_number(self) -> i64;
+    const IS_SIGNED: bool;
+}
+
+macro_rules! stored {
+    ($($type:ident)*) => { $(
+        impl Stored for $type {
+            #[inline(always)]
+            fn from_low_bits(bits: i64) -> Self { bits as $type }
+            #[inline(always)]
+            fn to_number(self) -> i64 { self as i64 }
+            const IS_SIGNED: bool = $type::MIN as f64 != 0.0;
+        }
+    )* };
+}
+stored! { u8 i8 u16 i16 u32 i32 f32 f64 }
+
+/// Checks, before any memory is taken, that the pixels of `frames` frames can be there.
+///
+/// # Errors
+/// Fewer bytes than the frames need, or so few packed ones that the claim cannot be true.
+pub(super) fn check_size(
+    elements: &Elements,
+    pixels: &PixelData,
+    layout: &Layout,
+    frames: usize,
+    file_bytes: u64,
+) -> Result<(), Error> {
+    let expected = layout
+        .frame_bytes()
+        .checked_mul(frames as u64)
+        .ok_or_else(|| Error::field(field_name(tags::NUMBER_OF_FRAMES), frames, "fewer frames"))?;
+    let truncated = |expected, found| -> Result<(), Error> {
+        Err(ErrorKind::Truncated {
+            what: format!(
+                "the pixel data ({}×{}, {frames} frames)",
+                layout.columns, layout.rows
+            ),
+            expected,
+            found,
+        }
+        .into())
+    };
+    // What each packing can reach at most: run lengths 64, deflate 1032, and for the JPEG family
+    // more than any real image does; below 16 MiB a frame nothing is asked.
+    let in_file = file_bytes.saturating_sub(pixels.offset);
+    if elements.syntax.is_deflated {
+        if let Some(length) = pixels.length
+            && length < expected
+        {
+            return truncated(expected, length);
+        }
+        if expected > file_bytes.saturating_mul(1032) {
+            return truncated(expected, file_bytes.saturating_mul(1032));
+        }
+        return Ok(());
+    }
+    if elements.syntax.is_encapsulated != pixels.length.is_none() {
+        return Err(Error::field(
+            "the length of the pixel data",
+            pixels.length.map_or("undefined".into(), |n| n.to_string()),
+            "undefined for packed pixels, the number of bytes for others",
+        ));
+    }
+    if let Some(length) = pixels.length {
+        let found = length.min(in_file);
+        return match found < expected {
+            true => truncated(expected, found),
+            false => Ok(()),
+        };
+    }
+    let ratio: u64 = match elements.syntax.packing {
+        Packing::Native => 1,
+        Packing::Rle => 64,
+        Packing::Jpeg | Packing::JpegLs | Packing::Jpeg2000 => 4096,
+    };
+    let free = match elements.syntax.packing {
+        Packing::Jpeg | Packing::JpegLs | Packing::Jpeg2000 => {
+            (frames as u64).saturating_mul(1 << 24)
+        }
+        _ => 0,
+    };
+    // A frame is at least an item of 8 bytes.
+    if in_file < 8 * frames as u64 || expected > in_file.saturating_mul(ratio).max(free) {
+        return truncated(expected, in_file.saturating_mul(ratio));
+    }
+    Ok(())
+}
+
+/// One file that is open for its frames.
+pub(super) struct Source<'a> {
+    elements: &'a Elements,
+    pixels: PixelData,
+    layout: &'a Layout,
+    bytes: &'a dyn Bytes,
+    /// For packed pixels: which bytes make each frame.
+    fragments: Vec<Vec<(u64, u64)>>,
+}
+
+impl<'a> Source<'a> {
+    /// `bytes` counts as the pixels' offset does: the file, or its inflated data set.
+    ///
+    /// # Errors
+    /// Fragments that do not make `frames` frames.
+    pub(super) fn new(
+        elements: &'a Elements,
+        pixels: PixelData,
+        layout: &'a Layout,
+        frames: usize,
+        bytes: &'a dyn Bytes,
+    ) -> Result<Source<'a>, Error> {
+        let fragments = match elements.syntax.is_encapsulated {
+            true => fragments_of_frames(bytes, &pixels, &elements.set, frames)?,
+            false => Vec::new(),
+        };
+        Ok(Source {
+            elements,
+            pixels,
+            layout,
+            bytes,
+            fragments,
+        })
+    }
+
+    /// Reads a frame, row by row, into `samples`, whose type is that of the layout.
+    ///
+    /// # Errors
+    /// Damaged or unsupported data, or what the system says.
+    pub(super) fn read<T: Stored>(&self, frame: usize, samples: &mut [T]) -> Result<(), Error> {
+        assert_eq!(T::TYPE, self.layout.sample_type);
+        assert_eq!(samples.len(), self.layout.frame_samples());
+        let syntax = &self.elements.syntax;
+        if !syntax.is_encapsulated {
+            let offset = self.pixels.offset + frame as u64 * self.layout.frame_bytes();
+            self.bytes
+                .read_at(offset, bytemuck::cast_slice_mut(samples))?;
+            if syntax.is_big_endian && T::TYPE.size() == 1 && self.pixels.is_ow {
+                // Written as 16-bit words, each with its first byte behind.
+                bytemuck::cast_slice_mut::<T, u8>(samples)
+                    .chunks_exact_mut(2)
+                    .for_each(<[u8]>::reverse);
+            }
+            if syntax.is_big_endian != cfg!(target_endian = "big") {
+                samples.iter_mut().for_each(|s| *s = s.swapped());
+            }
+            self.keep_stored_bits(samples);
+            return Ok(());
+        }
+        let packed = self.packed(frame)?;
+        match syntax.packing {
+            Packing::Native | Packing::Rle => {
+                let bytes: &mut [u8] = bytemuck::cast_slice_mut(samples);
+                if syntax.packing == Packing::Rle {
+                    rle::decode(&packed, T::TYPE.size(), bytes)
+                        .map_err(|why| compression("RLE", why))?;
+                } else {
+                    let found = packed.len() as u64;
+                    bytes.copy_from_slice(packed.get(..bytes.len()).ok_or_else(|| {
+                        ErrorKind::Truncated {
+                            what: format!("frame {}", frame + 1),
+                            expected: bytes.len() as u64,
+                            found,
+                        }
+                    })?);
+                }
+                if cfg!(target_endian = "big") {
+                    samples.iter_mut().for_each(|s| *s = s.swapped());
+                }
+                self.keep_stored_bits(samples);
+            }
+            Packing::Jpeg => guarded("JPEG", || self.jpeg(&packed, samples))?,
+            Packing::Jpeg2000 => guarded("JPEG 2000", || self.jpeg_2000(&packed, samples))?,
+            Packing::JpegLs => {
+                let mut decoded = vec![0; samples.len()];
+                jpeg_ls::decode(&packed, self.layout.columns, self.layout.rows, &mut decoded)
+                    .map_err(|why| compression("JPEG-LS", why))?;
+                self.take(decoded.iter().map(|v| i64::from(*v)), samples);
+            }
+        }
+        Ok(())
+    }
+
+    fn keep_stored_bits<T: Stored>(&self, samples: &mut [T]) {
+        let size_bits = 8 * T::TYPE.size() as u32;
+        if !T::TYPE.is_integer() || self.layout.bits_stored == size_bits {
+            return;
+        }
+        for sample in samples {
+            let number = self
+                .layout
+                .sample(sample.to_number(), size_bits, T::IS_SIGNED);
+            *sample = T::from_low_bits(number);
+        }
+    }
+
+    /// Decoded numbers: their low bits count, whatever sign the codec gave them.
+    fn take<T: Stored>(&self, decoded: impl Iterator<Item = i64>, samples: &mut [T]) {
+        let size_bits = 8 * T::TYPE.size() as u32;
+        for (sample, number) in samples.iter_mut().zip(decoded) {
+            *sample = T::from_low_bits(self.layout.sample(number, size_bits, T::IS_SIGNED));
+        }
+    }
+
+    fn packed(&self, frame: usize) -> Result<Vec<u8>, Error> {
+        let parts = self.fragments.get(frame).map_or(&[][..], Vec::as_slice);
+        let length = parts.iter().map(|part| part.1).sum::<u64>();
+        // The fragments were found inside of the file, so this much is there.
+        let mut packed = vec![0; length as usize];
+        let mut rest = &mut packed[..];
+        for (offset, length) in parts {
+            let (part, after) = rest.split_at_mut(*length as usize);
+            self.bytes.read_at(*offset, part)?;
+            rest = after;
+        }
+        Ok(packed)
+    }
+
+    fn jpeg<T: Stored>(&self, packed: &[u8], samples: &mut [T]) -> Result<(), Error> {
+        use jpeg_decoder::PixelFormat;
+        let frame = jpeg_frame(packed).map_err(|why| compression("JPEG", why))?;
+        self.check_frame("JPEG", frame.columns, frame.rows, frame.components)?;
+        if frame.bits == 12 && !frame.is_lossless {
+            return Err(ErrorKind::Unsupported {
+                feature: "lossy JPEG of 12 bits (process 4, extended)".into(),
+                instead: CONVERT.into(),
+            }
+            .into());
+        }
+        let mut decoder = jpeg_decoder::Decoder::new(packed);
+        decoder.set_max_decoding_buffer_size(2 * samples.len());
+        let decoded = decoder
+            .decode()
+            .map_err(|error| compression("JPEG", error.to_string()))?;
+        let format = decoder.info().map(|info| info.pixel_format);
+        match format {
+            Some(PixelFormat::L8) if decoded.len() == samples.len() => {
+                self.take(decoded.iter().map(|v| i64::from(*v)), samples);
+            }
+            Some(PixelFormat::L16) if decoded.len() == 2 * samples.len() => {
+                let numbers = decoded
+                    .chunks_exact(2)
+                    .map(|pair| i64::from(u16::from_ne_bytes([pair[0], pair[1]])));
+                self.take(numbers, samples);
+            }
+            _ => {
+                return Err(compression(
+                    "JPEG",
+                    format!("it decodes to {} bytes of {format:?}", decoded.len()),
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    fn jpeg_2000<T: Stored>(&self, packed: &[u8], samples: &mut [T]) -> Result<(), Error> {
+        let failed = |error: jpeg2k::error::Error| compression("JPEG 2000", error.to_string());
+        let (columns, rows, components) =
+            jpeg_2000_size(packed).map_err(|why| compression("JPEG 2000", why))?;
+        self.check_frame("JPEG 2000", columns, rows, components)?;
+        // Strict: else a cut stream decodes to a blurred image without a word.
+        let parameters = jpeg2k::DecodeParameters::new().strict(true);
+        let image = jpeg2k::Image::from_bytes_with(packed, parameters).map_err(failed)?;
+        let [component] = image.components() else {
+            return Err(compression("JPEG 2000", "it has not one component".into()));
+        };
+        self.check_frame(
+            "JPEG 2000",
+            component.width() as usize,
+            component.height() as usize,
+            1,
+        )?;
+        self.take(component.data().iter().map(|v| i64::from(*v)), samples);
+        Ok(())
+    }
+
+    /// The packed frame must be of the size that the elements say, before anything is decoded.
+    fn check_frame(
+        &self,
+        codec: &'static str,
+        columns: usize,
+        rows: usize,
+        components: usize,
+    ) -> Result<(), Error> {
+        if (columns, rows, components) == (self.layout.columns, self.layout.rows, 1) {
+            return Ok(());
+        }
+        Err(compression(
+            codec,
+            format!(
+                "it holds {columns}×{rows} samples of {components} components, the elements say {}×{} of 1",
+                self.layout.columns, self.layout.rows
+            ),
+        ))
+    }
+}
+
+fn compression(codec: &'static str, why: String) -> Error {
+    ErrorKind::Compression { codec, why }.into()
+}
+
+/// Runs a decoder of others. Theirs may panic on damaged data (slices out of range, arithmetic);
+/// that is the file's fault and must not end the program. Nothing they touched is used after it.
+fn guarded(codec: &'static str, decode: impl FnOnce() -> Result<(), Error>) -> Result<(), Error> {
+    catch_unwind(AssertUnwindSafe(decode))
+        .unwrap_or_else(|_| Err(compression(codec, "the data is damaged".into())))
+}
+
+struct JpegFrame {
+    columns: usize,
+    rows: usize,
+    components: usize,
+    bits: u8,
+    is_lossless: bool,
+}
+
+/// The first frame header of a JPEG stream.
+fn jpeg_frame(data: &[u8]) -> Result<JpegFrame, String> {
+    if data.first_chunk() != Some(&[0xFF, 0xD8]) {
+        return Err("it does not begin with FF D8".into());
+    }
+    let mut at = 2;
+    loop {
+        match data.get(at..at + 2) {
+            Some([0xFF, 0xFF]) => at += 1,
+            Some(&[0xFF, marker @ 0xC0..=0xCF]) if !matches!(marker, 0xC4 | 0xC8 | 0xCC) => {
+                let header = data
+                    .get(at + 4..at + 10)
+                    .ok_or("its frame header is cut off")?;
+                let edge = |i: usize| usize::from(header[i]) << 8 | usize::from(header[i + 1]);
+                return Ok(JpegFrame {
+                    bits: header[0],
+                    rows: edge(1),
+                    columns: edge(3),
+                    components: header[5].into(),
+                    is_lossless: marker == 0xC3,
+                });
+            }
+            Some([0xFF, _]) => {
+                let length = data.get(at + 2..at + 4).ok_or("it has no frame header")?;
+                at += 2 + (usize::from(length[0]) << 8 | usize::from(length[1])).max(2);
+            }
+            _ => return Err("it has no frame header".into()),
+        }
+    }
+}
+
+/// Columns, rows and components of a JPEG 2000 codestream (its SIZ marker), which may lie in a JP2
+/// file against the standard.
+fn jpeg_2000_size(data: &[u8]) -> Result<(usize, usize, usize), String> {
+    // SOC and SIZ stand together.
+    let start = data
+        .windows(4)
+        .position(|bytes| bytes == [0xFF, 0x4F, 0xFF, 0x51])
+        .ok_or("it has no size marker")?;
+    let word = |i: usize| -> Result<u32, String> {
+        data.get(start + i..)
+            .and_then(|bytes| bytes.first_chunk())
+            .map(|bytes| u32::from_be_bytes(*bytes))
+            .ok_or_else(|| "its size marker is cut off".to_owned())
+    };
+    let (right, bottom, left, top) = (word(8)?, word(12)?, word(16)?, word(20)?);
+    let components = word(40)? >> 16;
+    Ok((
+        right.saturating_sub(left) as usize,
+        bottom.saturating_sub(top) as usize,
+        components as usize,
+    ))
+}
+
+/// Which byte ranges make each frame (PS3.5, annex A.4).
+fn fragments_of_frames(
+    bytes: &dyn Bytes,
+    pixels: &PixelData,
+    set: &DataSet,
+    frames: usize,
+) -> Result<Vec<Vec<(u64, u64)>>, Error> {
+    let mut items = Vec::new();
+    let mut at = pixels.offset;
+    loop {
+        let mut head = [0; 8];
+        if at + 8 > bytes.len() {
+            // The last delimiter is often missing where files were cut to size.
+            break;
+        }
+        bytes.read_at(at, &mut head)?;
+        let length = u64::from(u32::from_le_bytes([head[4], head[5], head[6], head[7]]));
+        match head[..4] {
+            [0xFE, 0xFF, 0x00, 0xE0] => {}
+            [0xFE, 0xFF, 0xDD, 0xE0] => break,
+            _ => {
+                return Err(Error::field(
+                    format!("the fragment at byte {at}"),
+                    format!(
+                        "{:02X} {:02X} {:02X} {:02X}",
+                        head[0], head[1], head[2], head[3]
+                    ),
+                    "an item (FFFE,E000)",
+                ));
+            }
+        }
+        if at + 8 + length > bytes.len() {
+            return Err(ErrorKind::Truncated {
+                what: format!("fragment {} of the pixel data", items.len()),
+                expected: at + 8 + length,
+                found: bytes.len(),
+            }
+            .into());
+        }
+        items.push((at + 8, length));
+        at += 8 + length;
+    }
+    if items.is_empty() {
+        return Err(missing(tags::PIXEL_DATA, "fragments of packed pixels"));
+    }
+    let (table_offset, table_length) = items.remove(0);
+    let data: Vec<(u64, u64)> = items;
+    if frames == 1 {
+        return Ok(vec![data]);
+    }
+    if data.len() == frames {
+        return Ok(data.into_iter().map(|part| vec![part]).collect());
+    }
+    // Offsets count from the first fragment's item.
+    let mut starts: Vec<u64> = Vec::new();
+    if let Some(table) = set.bytes(tags::EXTENDED_OFFSET_TABLE) {
+        starts.extend(
+            table
+                .chunks_exact(8)
+                .map(|b| u64::from_le_bytes([b[0], b[1], b[2], b[3], b[4], b[5], b[6], b[7]])),
+        );
+    } else if table_length == 4 * frames as u64 {
+        let mut table = vec![0; table_length as usize];
+        bytes.read_at(table_offset, &mut table)?;
+        starts.extend(
+            table
+                .chunks_exact(4)
+                .map(|b| u64::from(u32::from_le_bytes([b[0], b[1], b[2], b[3]]))),
+        );
+    }
+    let first = data.first().map_or(0, |part| part.0);
+    let mut grouped: Vec<Vec<(u64, u64)>> = Vec::new();
+    for (offset, length) in data {
+        let begins = if starts.is_empty() {
+            // Without a table: JPEG and JPEG 2000 frames begin with a marker of their own.
+            let mut magic = [0; 2];
+            length >= 2 && {
+                bytes.read_at(offset, &mut magic)?;
+                matches!(magic, [0xFF, 0xD8 | 0x4F])
+            }
+        } else {
+            starts.contains(&(offset - first))
+        };
+        match grouped.last_mut() {
+            Some(frame) if !begins => frame.push((offset, length)),
+            _ => grouped.push(vec![(offset, length)]),
+        }
+    }
+    if grouped.len() != frames {
+        return Err(Error::field(
+            field_name(tags::NUMBER_OF_FRAMES),
+            frames,
+            format!("{}, as many as the packed pixels hold", grouped.len()),
+        ));
+    }
+    Ok(grouped)
+}

@@ -1,0 +1,319 @@
+//! TIFF stacks: one grey page per slice, classic TIFF and BigTIFF.
+//!
+//! | offset | bytes | classic TIFF                 | offset | bytes | BigTIFF              |
+//! |--------|-------|------------------------------|--------|-------|----------------------|
+//! | 0      | 2     | `II` little, `MM` big endian | 0      | 2     | the same             |
+//! | 2      | 2     | 42                           | 2      | 2     | 43                   |
+//! | 4      | 4     | position of the first page   | 4      | 2, 2  | 8, 0                 |
+//! |        |       |                              | 8      | 8     | position of the page |
+//!
+//! A page is a directory ([`directory`]): tags that say its size, its type and where its strips or
+//! tiles lie ([`decode`]). What the slices mean, ImageJ and OME write as text into the first page
+//! ([`description`]). ImageJ writes stacks beyond 4 GiB with a directory for the first page only;
+//! the samples of the others follow it.
+
+mod decode;
+mod description;
+mod directory;
+
+use super::block::{self, Block, Endian};
+use super::{Bytes, Input, Loaded, ReadOptions, unoriented};
+use crate::error::{Error, ErrorKind};
+use crate::{Grid, Metadata, Modality, Rescale, SampleType, Samples, Volume};
+use description::{Description, Writer};
+use directory::{Directories, Page, Photometric};
+
+pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error> {
+    let file = Directories::read(input.bytes)?;
+    let mut notes = Vec::new();
+    let first = file.first()?;
+    same_pages(&file.pages)?;
+    let described = Description::parse(&file.description, file.resolution);
+    note_photometric(first, described.as_ref(), &mut notes)?;
+    if file.reduced > 0 {
+        notes.push(format!(
+            "left out {} pages that are reduced copies of others",
+            file.reduced
+        ));
+    }
+
+    let images = Images::find(&file, described.as_ref(), input.bytes, &mut notes)?;
+    let order = Order::of(described.as_ref(), images.count(), &mut notes)?;
+    if options.time_index >= order.times {
+        return Err(Error::field(
+            "time point",
+            options.time_index,
+            format!("0 to {}", order.times - 1),
+        ));
+    }
+
+    let dims = [first.width, first.height, order.slices];
+    let of_file = described.as_ref().and_then(|d| d.spacing_mm(&mut notes));
+    let (spacing_mm, has_length_unit) = unoriented::spacing_mm(options, of_file);
+    let grid = unoriented::grid(dims, spacing_mm)?;
+    let mut samples = Samples::new(first.sample_type);
+    reserve(&mut samples, &grid, &file)?;
+    for slice in 0..order.slices {
+        let image = order.image(slice, options.time_index);
+        images.append(image, input.bytes, file.endian, &mut samples)?;
+    }
+
+    let mut entries = Vec::new();
+    if described.is_none() && !file.description.is_empty() {
+        entries.push(("ImageDescription".into(), file.description.clone()));
+    }
+    let volume = Volume::new(
+        grid,
+        samples,
+        Rescale::IDENTITY,
+        Metadata {
+            name: input.name.to_owned(),
+            format: if file.big { "BigTIFF" } else { "TIFF" }.into(),
+            modality: described
+                .filter(|d| d.writer == Writer::Ome)
+                .map(|_| Modality::Microscopy),
+            has_length_unit,
+            time_points: order.times,
+            time_index: options.time_index,
+            entries,
+            ..Metadata::default()
+        },
+    )?;
+    Ok(Loaded {
+        volume,
+        labels: None,
+        notes,
+    })
+}
+
+/// One slice of a sequence.
+pub(crate) struct Slice {
+    pub(crate) dims: [usize; 2],
+    pub(crate) samples: Samples,
+    /// Distance between voxel centres and whether it has a length unit, if the file says.
+    pub(crate) spacing_mm: Option<([f64; 3], bool)>,
+}
+
+/// A TIFF with exactly one page.
+pub(crate) fn read_slice(bytes: &dyn Bytes, notes: &mut Vec<String>) -> Result<Slice, Error> {
+    let file = Directories::read(bytes)?;
+    let page = file.first()?;
+    if file.pages.len() > 1 {
+        return Err(ErrorKind::Slices(format!(
+            "it has {} pages; a slice of a sequence has one. Name the file alone to read it as a stack",
+            file.pages.len()
+        ))
+        .into());
+    }
+    let described = Description::parse(&file.description, file.resolution);
+    note_photometric(page, described.as_ref(), notes)?;
+    let mut samples = Samples::new(page.sample_type);
+    decode::append(page, bytes, file.endian, &mut samples)?;
+    Ok(Slice {
+        dims: [page.width, page.height],
+        samples,
+        spacing_mm: described.and_then(|d| d.spacing_mm(notes)),
+    })
+}
+
+fn same_pages(pages: &[Page]) -> Result<(), Error> {
+    for page in pages {
+        if page.shape() != pages[0].shape() {
+            return Err(ErrorKind::Slices(format!(
+                "page {} is {}, page {} is {}; the pages of a stack have one size and type",
+                page.number,
+                shape_text(page),
+                pages[0].number,
+                shape_text(&pages[0]),
+            ))
+            .into());
+        }
+    }
+    Ok(())
+}
+
+fn shape_text(page: &Page) -> String {
+    format!("{} x {} {}", page.width, page.height, page.sample_type)
+}
+
+/// Stored numbers are values, whatever shade they were shown in.
+fn note_photometric(
+    page: &Page,
+    described: Option<&Description>,
+    notes: &mut Vec<String>,
+) -> Result<(), Error> {
+    match page.photometric {
+        Photometric::BlackIsZero => Ok(()),
+        Photometric::WhiteIsZero => {
+            notes.push("the picture shows 0 as white; the numbers are kept as they are".into());
+            Ok(())
+        }
+        // ImageJ writes the colours in which a grey stack was shown as a palette.
+        Photometric::Palette if described.is_some_and(|d| d.writer == Writer::ImageJ) => {
+            notes.push("ImageJ's colours are left out; the numbers are kept as they are".into());
+            Ok(())
+        }
+        Photometric::Palette => Err(directory::colour("a palette")),
+    }
+}
+
+/// Memory for all samples where the stored data makes them likely; [`decode`] adds what is missing
+/// as data comes.
+fn reserve(samples: &mut Samples, grid: &Grid, file: &Directories) -> Result<(), Error> {
+    let likely = file.stored_bytes.saturating_mul(4) / samples.sample_type().size() as u64;
+    let count = grid
+        .voxel_count()
+        .min(usize::try_from(likely).unwrap_or(usize::MAX));
+    crate::with_samples!(samples, s => block::reserve(s, count))
+}
+
+/// Where the images of a file lie.
+enum Images<'a> {
+    /// One page each.
+    Pages(&'a [Page]),
+    /// One after the other from `offset` on, `samples` in each.
+    Contiguous {
+        offset: u64,
+        samples: usize,
+        count: usize,
+        sample_type: SampleType,
+    },
+}
+
+impl<'a> Images<'a> {
+    fn find(
+        file: &'a Directories,
+        described: Option<&Description>,
+        bytes: &dyn Bytes,
+        notes: &mut Vec<String>,
+    ) -> Result<Images<'a>, Error> {
+        let pages = Images::Pages(&file.pages);
+        let Some(promised) = described
+            .filter(|d| d.writer == Writer::ImageJ)
+            .and_then(|d| d.images)
+        else {
+            return Ok(pages);
+        };
+        if promised == file.pages.len() {
+            return Ok(pages);
+        }
+        if let ([page], Some(offset)) = (file.pages.as_slice(), file.pages[0].contiguous()) {
+            let samples = page.width * page.height;
+            let image_bytes = (samples * page.sample_type.size()) as u64;
+            let found = bytes.len().saturating_sub(offset);
+            let expected = image_bytes.saturating_mul(promised as u64);
+            if found >= expected {
+                return Ok(Images::Contiguous {
+                    offset,
+                    samples,
+                    count: promised,
+                    sample_type: page.sample_type,
+                });
+            }
+            if found / image_bytes > 1 {
+                return Err(ErrorKind::Truncated {
+                    what: format!("the stack of {promised} images (ImageJ's `images`)"),
+                    expected,
+                    found,
+                }
+                .into());
+            }
+        }
+        notes.push(format!(
+            "ImageJ's description promises {promised} images, {} are there",
+            file.pages.len()
+        ));
+        Ok(pages)
+    }
+
+    fn count(&self) -> usize {
+        match self {
+            Images::Pages(pages) => pages.len(),
+            Images::Contiguous { count, .. } => *count,
+        }
+    }
+
+    fn append(
+        &self,
+        image: usize,
+        bytes: &dyn Bytes,
+        endian: Endian,
+        into: &mut Samples,
+    ) -> Result<(), Error> {
+        match *self {
+            Images::Pages(pages) => decode::append(&pages[image], bytes, endian, into),
+            Images::Contiguous {
+                offset,
+                samples,
+                sample_type,
+                ..
+            } => {
+                let before = (image * samples) as u64 * sample_type.size() as u64;
+                let block = Block {
+                    endian,
+                    ..Block::raw(bytes, offset + before)
+                };
+                block.append(into, samples)
+            }
+        }
+    }
+}
+
+/// How images make slices and time points.
+struct Order {
+    slices: usize,
+    times: usize,
+    time_is_faster: bool,
+}
+
+impl Order {
+    fn of(
+        described: Option<&Description>,
+        images: usize,
+        notes: &mut Vec<String>,
+    ) -> Result<Order, Error> {
+        let all_slices = Order {
+            slices: images,
+            times: 1,
+            time_is_faster: false,
+        };
+        let Some(described) = described else {
+            return Ok(all_slices);
+        };
+        if described.channels > 1 {
+            return Err(Error::field(
+                "number of channels",
+                described.channels,
+                "1; split the channels into files of their own (ImageJ: Image > Color > Split Channels)",
+            ));
+        }
+        let (slices, times) = (described.slices, described.times);
+        if slices.checked_mul(times) != Some(images) {
+            if slices.max(times) > 1 {
+                notes.push(format!(
+                    "the description says {slices} slices at {times} times, {images} pages are there: all are taken as slices"
+                ));
+            }
+            return Ok(all_slices);
+        }
+        if slices == 1 && times > 1 {
+            notes.push(format!(
+                "the {times} time points of one slice are taken as slices"
+            ));
+            return Ok(all_slices);
+        }
+        Ok(Order {
+            slices,
+            times,
+            time_is_faster: described.time_is_faster,
+        })
+    }
+
+    fn image(&self, slice: usize, time: usize) -> usize {
+        if self.time_is_faster {
+            time + self.times * slice
+        } else {
+            slice + self.slices * time
+        }
+    }
+}

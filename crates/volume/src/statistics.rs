@@ -1,0 +1,190 @@
+//! Range and histogram of the values of a volume.
+
+use crate::{Rescale, Sample, SampleType, Samples, with_samples};
+use bytemuck::Pod;
+
+/// Range and histogram of the values (not of the stored numbers).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Statistics {
+    /// Smallest and largest finite value; [0, 0] if no value is finite.
+    pub range: [f64; 2],
+    /// Number of samples per bin; the bins divide `range` evenly. Samples that are not finite are
+    /// not counted. For types of at most 8 bits every stored number has a bin of its own.
+    pub histogram: Vec<u64>,
+    /// Number of samples that are NaN or infinite.
+    pub not_finite: u64,
+}
+
+impl Statistics {
+    /// Bins of the histogram of types wider than 8 bits.
+    pub const BINS: usize = 1024;
+
+    /// Scans all samples, several times for types wider than 16 bits.
+    pub fn of(samples: &Samples, rescale: Rescale) -> Statistics {
+        with_samples!(samples, s => of(s, rescale))
+    }
+
+    /// The value below which a share `quantile` (0 to 1) of the counted samples lies, to the
+    /// accuracy of one bin.
+    pub fn quantile(&self, quantile: f64) -> f64 {
+        let total: u64 = self.histogram.iter().sum();
+        let wanted = quantile.clamp(0.0, 1.0) * total as f64;
+        let [lo, hi] = self.range;
+        let mut below = 0.0;
+        for (bin, &count) in self.histogram.iter().enumerate() {
+            let count = count as f64;
+            if count > 0.0 && below + count >= wanted {
+                let inside = (wanted - below) / count;
+                return lo + (hi - lo) * (bin as f64 + inside) / self.histogram.len() as f64;
+            }
+            below += count;
+        }
+        hi
+    }
+}
+
+fn of<T: Sample>(samples: &[T], rescale: Rescale) -> Statistics {
+    let mut statistics = match T::TYPE.size() {
+        1 => of_counts::<T, u8>(samples),
+        2 => of_counts::<T, u16>(samples),
+        _ => of_values(samples),
+    };
+    let has_any = statistics.histogram.iter().any(|count| *count > 0);
+    if has_any {
+        statistics.range = statistics.range.map(|stored| rescale.value(stored));
+    }
+    if rescale.slope < 0.0 {
+        statistics.range.reverse();
+        statistics.histogram.reverse();
+    }
+    statistics
+}
+
+/// Of types with few numbers: one pass counts how often each occurs, the rest follows from that.
+fn of_counts<T: Sample, P: Pod + Into<usize>>(samples: &[T]) -> Statistics {
+    let numbers = 1usize << (8 * size_of::<P>());
+    // Neighbours are often equal; with a table for each of four in a row, none waits for another.
+    let mut tables = vec![0u64; 4 * numbers];
+    let patterns: &[P] = bytemuck::cast_slice(samples);
+    let fours = patterns.chunks_exact(4);
+    for &pattern in fours.remainder() {
+        tables[4 * pattern.into()] += 1;
+    }
+    for four in fours {
+        for (table, &pattern) in four.iter().enumerate() {
+            tables[4 * pattern.into() + table] += 1;
+        }
+    }
+    let counted = |pattern: usize| -> Option<(f64, u64)> {
+        let count = tables[4 * pattern..4 * pattern + 4].iter().sum();
+        // On either kind of machine: the low bytes of the pattern are those of the sample.
+        let number = match T::TYPE {
+            SampleType::I8 => f64::from(pattern as i8),
+            SampleType::I16 => f64::from(pattern as i16),
+            _ => pattern as f64,
+        };
+        (count > 0).then_some((number, count))
+    };
+    let all = || (0..numbers).filter_map(counted);
+    let (lo, hi) = all().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), (n, _)| {
+        (lo.min(n), hi.max(n))
+    });
+    let mut bins = Bins::between(lo, hi, T::TYPE);
+    for (number, count) in all() {
+        bins.add(number, count);
+    }
+    Statistics {
+        range: [lo, hi],
+        histogram: bins.counts,
+        not_finite: 0,
+    }
+}
+
+fn of_values<T: Sample>(samples: &[T]) -> Statistics {
+    let values = || samples.iter().map(|s| s.to_f64());
+    let finite = || values().filter(|value| value.is_finite());
+    let (lo, hi) = finite().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), value| {
+        (lo.min(value), hi.max(value))
+    });
+    let not_finite = values().filter(|value| !value.is_finite()).count() as u64;
+    if lo > hi {
+        return Statistics {
+            range: [0.0, 0.0],
+            histogram: vec![0],
+            not_finite,
+        };
+    }
+    let mut bins = Bins::between(lo, hi, T::TYPE);
+    finite().for_each(|value| bins.add(value, 1));
+    Statistics {
+        range: [lo, hi],
+        histogram: bins.counts,
+        not_finite,
+    }
+}
+
+/// A histogram of stored numbers while it is filled.
+struct Bins {
+    counts: Vec<u64>,
+    lo: f64,
+    per_unit: f64,
+}
+
+impl Bins {
+    fn between(lo: f64, hi: f64, sample_type: SampleType) -> Bins {
+        let (bins, per_unit) = match sample_type.size() {
+            1 => ((hi - lo) as usize + 1, 1.0),
+            _ if hi > lo => (Statistics::BINS, Statistics::BINS as f64 / (hi - lo)),
+            _ => (Statistics::BINS, 0.0),
+        };
+        Bins {
+            counts: vec![0; bins],
+            lo,
+            per_unit,
+        }
+    }
+
+    fn add(&mut self, number: f64, count: u64) {
+        let bin = ((number - self.lo) * self.per_unit) as usize;
+        let last = self.counts.len() - 1;
+        self.counts[bin.min(last)] += count;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Counting per number must say what going over the values says.
+    #[test]
+    fn counted_and_gone_over_agree() {
+        fn check<T: Sample, P: Pod + Into<usize>>() {
+            for count in [1usize, 3, 4, 1000] {
+                let samples: Vec<T> = (0..count)
+                    .map(|i| T::from_f64(((i * 7919) % 65_536) as f64 - 30_000.0))
+                    .collect();
+                assert_eq!(of_counts::<T, P>(&samples), of_values(&samples));
+            }
+        }
+        check::<u8, u8>();
+        check::<i8, u8>();
+        check::<u16, u16>();
+        check::<i16, u16>();
+    }
+
+    #[test]
+    fn a_falling_rescale_turns_range_and_histogram() {
+        let samples = Samples::I16(vec![-5, -5, 10]);
+        let rescale = Rescale {
+            slope: -2.0,
+            intercept: 1.0,
+        };
+        let statistics = Statistics::of(&samples, rescale);
+        assert_eq!(statistics.range, [-19.0, 11.0]);
+        assert_eq!(statistics.histogram[0], 1);
+        assert_eq!(statistics.histogram[Statistics::BINS - 1], 2);
+        let floats = Samples::F32(vec![f32::NAN, 1.0, f32::INFINITY]);
+        let statistics = Statistics::of(&floats, Rescale::IDENTITY);
+        assert_eq!((statistics.range, statistics.not_finite), ([1.0, 1.0], 2));
+    }
+}

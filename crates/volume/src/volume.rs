@@ -1,0 +1,209 @@
+//! A scalar grid: samples, their place in the world, and what a stored number means.
+
+use crate::{Error, Grid, SampleType, Samples, statistics::Statistics};
+
+/// value = slope · stored + intercept. A value is what the user means: HU for CT.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rescale {
+    /// Finite and not 0.
+    pub slope: f64,
+    /// Finite.
+    pub intercept: f64,
+}
+
+impl Rescale {
+    /// Stored numbers are values.
+    pub const IDENTITY: Rescale = Rescale {
+        slope: 1.0,
+        intercept: 0.0,
+    };
+
+    /// A rescale; a slope that is 0 or not finite means identity (files in the wild have both),
+    /// an intercept that is not finite means 0.
+    pub fn new(slope: f64, intercept: f64) -> Rescale {
+        if slope == 0.0 || !slope.is_finite() {
+            return Rescale::IDENTITY;
+        }
+        Rescale {
+            slope,
+            intercept: if intercept.is_finite() {
+                intercept
+            } else {
+                0.0
+            },
+        }
+    }
+
+    /// The value of a stored number.
+    #[inline]
+    pub fn value(&self, stored: f64) -> f64 {
+        self.slope * stored + self.intercept
+    }
+
+    /// The stored number (not rounded) of a value.
+    #[inline]
+    pub fn stored(&self, value: f64) -> f64 {
+        (value - self.intercept) / self.slope
+    }
+}
+
+/// What kind of device made the data; decides which preset is taken when nothing is said.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Modality {
+    /// Computed tomography in Hounsfield units.
+    Ct,
+    /// Magnetic resonance, arbitrary units.
+    Mr,
+    /// Positron emission or single-photon tomography.
+    Nuclear,
+    /// Ultrasound.
+    Ultrasound,
+    /// Optical or electron microscopy.
+    Microscopy,
+    /// Computed, not measured.
+    Simulation,
+}
+
+/// What is worth keeping of a file's header beside grid and rescale.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Metadata {
+    /// What the data is called: file name, series description, phantom name.
+    pub name: String,
+    /// The kind of file, such as `NIfTI-1` or `DICOM`.
+    pub format: String,
+    /// The device, if the file says.
+    pub modality: Option<Modality>,
+    /// Unit of the values, such as `HU`, if the file says.
+    pub value_unit: Option<String>,
+    /// Whether the file says what its lengths mean. Without, a spacing of 1 counts as 1 mm.
+    pub has_length_unit: bool,
+    /// How many time points the file holds (1 for a single volume) …
+    pub time_points: usize,
+    /// … and which one this is, from 0.
+    pub time_index: usize,
+    /// Other header entries worth showing, such as patient position, series, study date.
+    pub entries: Vec<(String, String)>,
+}
+
+/// A scalar grid. Immutable once made; cheap to share by reference.
+///
+/// ```
+/// use strahl_volume::{Grid, Metadata, Rescale, Samples, Volume};
+/// let grid = Grid::centred([2, 1, 1], glam::DVec3::ONE)?;
+/// let volume = Volume::new(grid, Samples::I16(vec![-1000, 40]), Rescale::IDENTITY, Metadata::default())?;
+/// assert_eq!(volume.value(1, 0, 0), 40.0);
+/// # Ok::<(), strahl_volume::Error>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Volume {
+    grid: Grid,
+    samples: Samples,
+    rescale: Rescale,
+    metadata: Metadata,
+    statistics: Statistics,
+}
+
+impl Volume {
+    /// A volume of `samples` (x fastest) on `grid`.
+    ///
+    /// # Errors
+    /// If the number of samples is not the number of voxels.
+    pub fn new(
+        grid: Grid,
+        samples: Samples,
+        rescale: Rescale,
+        metadata: Metadata,
+    ) -> Result<Volume, Error> {
+        if samples.len() != grid.voxel_count() {
+            return Err(Error::field(
+                "number of samples",
+                samples.len(),
+                format!("{} for a grid of {:?}", grid.voxel_count(), grid.dims()),
+            ));
+        }
+        let statistics = Statistics::of(&samples, rescale);
+        Ok(Volume {
+            grid,
+            samples,
+            rescale,
+            metadata,
+            statistics,
+        })
+    }
+
+    /// Where the samples lie.
+    pub fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
+    /// The stored samples, x fastest.
+    pub fn samples(&self) -> &Samples {
+        &self.samples
+    }
+
+    /// The type of a stored sample.
+    pub fn sample_type(&self) -> SampleType {
+        self.samples.sample_type()
+    }
+
+    /// What a stored number means.
+    pub fn rescale(&self) -> Rescale {
+        self.rescale
+    }
+
+    /// What else the file said.
+    pub fn metadata(&self) -> &Metadata {
+        &self.metadata
+    }
+
+    /// Range and histogram of the values.
+    pub fn statistics(&self) -> &Statistics {
+        &self.statistics
+    }
+
+    /// The value at a voxel.
+    ///
+    /// # Panics
+    /// If the voxel is outside the grid.
+    pub fn value(&self, x: usize, y: usize, z: usize) -> f64 {
+        let [nx, ny, nz] = self.grid.dims();
+        assert!(
+            x < nx && y < ny && z < nz,
+            "voxel ({x}, {y}, {z}) outside {:?}",
+            self.grid.dims()
+        );
+        self.rescale
+            .value(self.samples.get(self.grid.index(x, y, z)))
+    }
+
+    /// What a scene needs to know without the voxels.
+    pub fn header(&self) -> VolumeHeader {
+        VolumeHeader {
+            grid: self.grid,
+            sample_type: self.sample_type(),
+            rescale: self.rescale,
+            statistics: self.statistics.clone(),
+            metadata: self.metadata.clone(),
+        }
+    }
+
+    /// The parts, for those who build another volume of them.
+    pub fn into_parts(self) -> (Grid, Samples, Rescale, Metadata) {
+        (self.grid, self.samples, self.rescale, self.metadata)
+    }
+}
+
+/// A volume without its voxels: what `scene::resolve` sees.
+#[derive(Clone, Debug)]
+pub struct VolumeHeader {
+    /// Where the samples lie.
+    pub grid: Grid,
+    /// The type of a stored sample.
+    pub sample_type: SampleType,
+    /// What a stored number means.
+    pub rescale: Rescale,
+    /// Range and histogram of the values.
+    pub statistics: Statistics,
+    /// What else the file said.
+    pub metadata: Metadata,
+}

@@ -1,0 +1,139 @@
+//! Inputs that once broke a reader, found by `cargo xtask fuzz`, and the seeds it starts from.
+//! `tests/crashes/TARGET/` is read by the reader of that fuzz target, the same way as `fuzz/` does.
+
+use std::path::{Path, PathBuf};
+use strahl_volume::read::{Loaded, MemoryFiles, ReadOptions, read_file, read_folder};
+
+const SEPARATOR: &[u8] = b"\n--next file--\n";
+
+/// What the files of an input are called, and whether they are also read as a folder.
+const TARGETS: [(&str, &[&str], bool); 9] = [
+    ("dat", &["scan.dat", "scan.raw"], false),
+    (
+        "dicom",
+        &["a.dcm", "b.dcm", "c.dcm", "d.dcm", "e.dcm"],
+        true,
+    ),
+    ("metaimage", &["scan.mhd", "scan.raw", "scan.1.raw"], false),
+    ("nifti", &["scan.hdr", "scan.img"], false),
+    ("npy", &["scan.npy"], false),
+    ("nrrd", &["scan.nhdr", "scan.raw", "scan.1.raw"], false),
+    (
+        "png",
+        &["slice_8.png", "slice_9.png", "slice_10.png", "slice_11.png"],
+        true,
+    ),
+    ("pvm", &["scan.pvm"], false),
+    ("tiff", &["scan.tif"], false),
+];
+
+fn folder(path: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
+}
+
+fn inputs(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
+    let Ok(entries) = std::fs::read_dir(folder) else {
+        return Vec::new();
+    };
+    let mut paths: Vec<_> = entries.map(|entry| entry.unwrap().path()).collect();
+    paths.sort();
+    paths
+        .into_iter()
+        .map(|path| (path.clone(), std::fs::read(path).unwrap()))
+        .collect()
+}
+
+fn parts<'a>(input: &'a [u8], names: &[&str]) -> MemoryFiles {
+    let mut rest = Some(input);
+    let mut next = || -> Option<&'a [u8]> {
+        let input = rest?;
+        let at = input
+            .windows(SEPARATOR.len())
+            .position(|window| window == SEPARATOR);
+        rest = at.map(|at| &input[at + SEPARATOR.len()..]);
+        Some(&input[..at.unwrap_or(input.len())])
+    };
+    names
+        .iter()
+        .map_while(|name| Some((name.to_string(), next()?.to_vec())))
+        .collect()
+}
+
+/// What must hold for every volume, whatever the file said.
+fn check(loaded: &Loaded, input: &Path) {
+    let volume = &loaded.volume;
+    let grid = volume.grid();
+    assert_eq!(volume.samples().len(), grid.voxel_count(), "{input:?}");
+    assert!(grid.world_from_voxel().is_finite(), "{input:?}");
+    assert!(grid.voxel_from_world().is_finite(), "{input:?}");
+    assert!(grid.min_spacing_mm() > 0.0, "{input:?}");
+    let rescale = volume.rescale();
+    assert!(
+        rescale.slope != 0.0 && rescale.slope.is_finite() && rescale.intercept.is_finite(),
+        "{input:?}"
+    );
+}
+
+/// Whether the input was read; the target's name and its files decide how.
+fn read(target: &str, path: &Path, input: &[u8]) -> bool {
+    if target == "raw" {
+        let end = input.iter().position(|&byte| byte == b'\n').unwrap_or(0);
+        let Ok(name) = std::str::from_utf8(&input[..end]) else {
+            return false;
+        };
+        let data = input.get(end + 1..).unwrap_or_default().to_vec();
+        let files = MemoryFiles::from([(name.to_owned(), data)]);
+        let loaded = read_file(name, &files, &ReadOptions::default());
+        return loaded.map(|loaded| check(&loaded, path)).is_ok();
+    }
+    let (_, names, as_folder) = TARGETS
+        .into_iter()
+        .find(|(name, ..)| *name == target)
+        .unwrap_or_else(|| panic!("no reader for the inputs of `{target}`"));
+    let files = parts(input, names);
+    let mut was_read = false;
+    for allow_gaps in [false, true] {
+        let options = ReadOptions {
+            allow_gaps,
+            ..ReadOptions::default()
+        };
+        let mut results = vec![read_file(names[0], &files, &options)];
+        if as_folder {
+            results.push(read_folder("folder", &files, &options));
+        }
+        for loaded in results.into_iter().flatten() {
+            check(&loaded, path);
+            was_read = true;
+        }
+    }
+    was_read
+}
+
+#[test]
+fn what_once_broke_a_reader_does_not() {
+    let mut count = 0;
+    for target in std::fs::read_dir(folder("tests/crashes")).unwrap() {
+        let target = target.unwrap();
+        for (path, input) in inputs(&target.path()) {
+            read(target.file_name().to_str().unwrap(), &path, &input);
+            count += 1;
+        }
+    }
+    assert!(count > 0, "no input was found");
+}
+
+/// A seed that is refused at its first byte leads a fuzzer nowhere.
+#[test]
+fn seeds_are_read_except_those_of_what_is_refused() {
+    let refused = ["png/palette", "png/rgb"];
+    let seeds = folder("../../fuzz/seeds");
+    let targets = TARGETS.iter().map(|(name, ..)| *name).chain(["raw"]);
+    for target in targets {
+        let inputs = inputs(&seeds.join(target));
+        assert!(!inputs.is_empty(), "{target} has no seeds");
+        for (path, input) in inputs {
+            let expected = !refused.iter().any(|refused| path.ends_with(refused));
+            assert_eq!(read(target, &path, &input), expected, "{path:?}");
+        }
+    }
+}

@@ -1,0 +1,362 @@
+//! NRRD headers of all shapes.
+
+use crate::{gzip, message, read, read_with};
+use glam::{DAffine3, DMat3, DVec3};
+use strahl_volume::read::ReadOptions;
+use strahl_volume::{Label, Samples};
+
+const U8: &str = "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 3 1\nencoding: raw\n";
+
+fn attached(header: &str, data: &[u8]) -> Vec<u8> {
+    [header.as_bytes(), b"\n", data].concat()
+}
+
+fn affine(header: &str) -> DAffine3 {
+    let file = attached(header, &[1, 2, 3, 4, 5, 6]);
+    read(&[("v.nrrd", &file)])
+        .unwrap()
+        .volume
+        .grid()
+        .world_from_voxel()
+}
+
+#[test]
+fn spaces_are_turned_into_ras() {
+    let directions = "space directions: (1,0.5,0) (0,2,0) (0,0,3)\nspace origin: (10,20,30)\n";
+    for (space, sign) in [
+        ("right-anterior-superior", DVec3::new(1.0, 1.0, 1.0)),
+        ("RAS", DVec3::new(1.0, 1.0, 1.0)),
+        ("left-anterior-superior", DVec3::new(-1.0, 1.0, 1.0)),
+        ("LAS", DVec3::new(-1.0, 1.0, 1.0)),
+        ("left-posterior-superior", DVec3::new(-1.0, -1.0, 1.0)),
+        ("LPS", DVec3::new(-1.0, -1.0, 1.0)),
+        ("scanner-xyz", DVec3::new(-1.0, -1.0, 1.0)),
+    ] {
+        let found = affine(&format!("{U8}space: {space}\n{directions}"));
+        let expected = DAffine3::from_cols(
+            sign * DVec3::new(1.0, 0.5, 0.0),
+            sign * DVec3::new(0.0, 2.0, 0.0),
+            sign * DVec3::new(0.0, 0.0, 3.0),
+            sign * DVec3::new(10.0, 20.0, 30.0),
+        );
+        assert_eq!(found, expected, "{space}");
+    }
+    let found = affine(&format!(
+        "{U8}space: LPS\nspace units: \"um\" \"um\" \"um\"\n{directions}"
+    ));
+    assert!((found.translation - DVec3::new(-0.01, -0.02, 0.03)).length() < 1e-15);
+}
+
+#[test]
+fn without_a_space_spacings_and_ends_place_the_grid() {
+    let found = affine(&format!("{U8}spacings: 0.5 2 NaN\naxis mins: 10 20 NaN\n"));
+    // Cells are the default: the first sample lies half a step inside.
+    let expected = DAffine3::from_mat3_translation(
+        DMat3::from_diagonal(DVec3::new(-0.5, -2.0, 1.0)),
+        DVec3::new(-10.25, -21.0, 0.0),
+    );
+    assert_eq!(found, expected);
+    let ends = "axis mins: 0 0 0\naxis maxs: 4 6 8\ncenterings: cell node cell\n";
+    let found = affine(&format!("{U8}{ends}"));
+    let expected = DAffine3::from_mat3_translation(
+        DMat3::from_diagonal(DVec3::new(-2.0, -3.0, 8.0)),
+        DVec3::new(-1.0, 0.0, 4.0),
+    );
+    assert_eq!(found, expected);
+}
+
+#[test]
+fn samples_are_found_in_every_place() {
+    let header = "NRRD0004\ntype: unsigned short\ndimension: 3\nsizes: 2 3 1\nendian: big\n";
+    let data: Vec<u8> = (1..=6u16).flat_map(|v| v.to_be_bytes()).collect();
+    let expected = Samples::U16((1..=6).collect());
+    let check = |files: &[(&str, &[u8])]| {
+        let loaded = read(files).unwrap();
+        assert_eq!(
+            *loaded.volume.samples(),
+            expected,
+            "{:?}",
+            files[0].1.escape_ascii()
+        );
+    };
+    let with = |rest: &str| format!("{header}{rest}");
+
+    check(&[("v.nrrd", &attached(&with("encoding: raw\n"), &data))]);
+    check(&[("v.nrrd", &attached(&with("encoding: gz\n"), &gzip(&data)))]);
+    check(&[(
+        "v.nrrd",
+        &attached(&with("encoding: TXT\n"), b"1 2 3\n4 5 6\n"),
+    )]);
+    check(&[(
+        "v.nrrd",
+        &attached(&with("encoding: hex\n"), b"00010002 00030004\n00050006\n"),
+    )]);
+    // The whole file packed.
+    check(&[(
+        "v.nrrd.gz",
+        &gzip(&attached(&with("encoding: raw\n"), &data)),
+    )]);
+    // Detached: with and without an end of the header, with folders in the name.
+    check(&[
+        (
+            "v.nhdr",
+            with("encoding: raw\ndata file: v.raw\n").as_bytes(),
+        ),
+        ("v.raw", &data),
+    ]);
+    check(&[
+        (
+            "v.nhdr",
+            with("encoding: raw\ndatafile: ./v 1.raw\n\n").as_bytes(),
+        ),
+        ("v 1.raw", &data),
+    ]);
+    // Skipped lines, then bytes; with gzip the bytes are skipped after unpacking.
+    let skipped = [b"line one\nline two\nxyz", data.as_slice()].concat();
+    let skips = "line skip: 2\nbyte skip: 3\ndata file: v.raw\n";
+    check(&[
+        (
+            "v.nhdr",
+            with(&format!("encoding: raw\n{skips}")).as_bytes(),
+        ),
+        ("v.raw", &skipped),
+    ]);
+    let skipped = [
+        b"line one\nline two\n",
+        gzip(&[b"xyz", data.as_slice()].concat()).as_slice(),
+    ]
+    .concat();
+    check(&[
+        (
+            "v.nhdr",
+            with(&format!("encoding: gzip\n{skips}")).as_bytes(),
+        ),
+        ("v.raw", &skipped),
+    ]);
+    let end = "encoding: raw\nbyte skip: -1\ndata file: v.raw\n";
+    check(&[
+        ("v.nhdr", with(end).as_bytes()),
+        ("v.raw", &[b"unknown header", data.as_slice()].concat()),
+    ]);
+    // Several files.
+    let list = "encoding: raw\ndata file: LIST 2\na.raw\nb.raw\nc.raw\n";
+    check(&[
+        ("v.nhdr", with(list).as_bytes()),
+        ("a.raw", &data[..4]),
+        ("b.raw", &data[4..8]),
+        ("c.raw", &data[8..]),
+    ]);
+    let pattern = "encoding: gzip\ndata file: s%03d.gz 9 11 2\n";
+    check(&[
+        ("v.nhdr", with(pattern).as_bytes()),
+        ("s009.gz", &gzip(&data[..6])),
+        ("s011.gz", &gzip(&data[6..])),
+    ]);
+}
+
+#[test]
+fn a_list_or_time_axis_is_picked_from_wherever_it_stands() {
+    let data: Vec<u8> = (0..24).collect();
+    let cases = [
+        ("4 2 3 1", "list domain domain domain", 1usize, 4),
+        ("2 4 3 1", "domain list domain domain", 2, 4),
+        ("2 3 1 4", "domain domain domain time", 6, 4),
+    ];
+    for (sizes, kinds, before, length) in cases {
+        let header = format!(
+            "NRRD0004\ntype: uchar\ndimension: 4\nsizes: {sizes}\nkinds: {kinds}\nencoding: raw\n"
+        );
+        let file = attached(&header, &data);
+        for time_index in 0..length {
+            let options = ReadOptions {
+                time_index,
+                ..ReadOptions::default()
+            };
+            let volume = read_with(&[("v.nrrd", &file)], &options).unwrap().volume;
+            let expected: Vec<u8> = data
+                .iter()
+                .enumerate()
+                .filter(|(i, _)| i / before % length == time_index)
+                .map(|(_, v)| *v)
+                .collect();
+            assert_eq!(*volume.samples(), Samples::U8(expected), "{kinds}");
+            assert_eq!(volume.metadata().time_points, length);
+        }
+    }
+    let vector = "NRRD0004\ntype: uchar\ndimension: 4\nsizes: 3 2 2 2\nkinds: RGB-color domain domain domain\nencoding: raw\n";
+    let message = message(&[("v.nrrd", &attached(vector, &data))]);
+    assert!(
+        message.contains("rgb-color") && message.contains("3 entries"),
+        "{message}"
+    );
+}
+
+#[test]
+fn segments_give_names_and_colours_layer_by_layer() {
+    let header = "NRRD0004\ntype: uint8\ndimension: 4\nsizes: 2 2 1 1\nspace: LPS\n\
+        space directions: none (1,0,0) (0,1,0) (0,0,1)\nkinds: list domain domain domain\nencoding: raw\n\
+        Segment0_Name:=bone\nSegment0_LabelValue:=1\nSegment0_Layer:=0\nSegment0_Color:=0.9 0.8 0.7\n\
+        Segment1_ID:=Segment_2\nSegment1_LabelValue:=7\nSegment1_Layer:=1\n";
+    let file = attached(header, &[1, 0, 0, 7]);
+    let layer = |time_index| {
+        let options = ReadOptions {
+            time_index,
+            ..ReadOptions::default()
+        };
+        read_with(&[("v.seg.nrrd", &file)], &options).unwrap()
+    };
+    let first = layer(0);
+    assert_eq!(*first.volume.samples(), Samples::U8(vec![1, 0]));
+    let bone = Label {
+        id: 1,
+        name: "bone".into(),
+        color: Some([0.9, 0.8, 0.7]),
+    };
+    assert_eq!(first.labels, Some(vec![bone]));
+    assert!(
+        first
+            .notes
+            .iter()
+            .any(|note| note.contains("1 segments lie in other layers"))
+    );
+    let second = layer(1);
+    assert_eq!(*second.volume.samples(), Samples::U8(vec![0, 7]));
+    let unnamed = Label {
+        id: 7,
+        name: "Segment_2".into(),
+        color: None,
+    };
+    assert_eq!(second.labels, Some(vec![unnamed]));
+}
+
+#[test]
+fn comments_and_entries_are_told_apart() {
+    let header = format!(
+        "{U8}# a comment: with a colon\ncontent: a thing\nmodality:=MR\nkey:=a:=b\\nc\nsample units: \"HU\"\n"
+    );
+    let file = attached(&header, &[0; 6]);
+    let loaded = read(&[("v.nrrd", &file)]).unwrap();
+    let metadata = loaded.volume.metadata();
+    assert_eq!(metadata.modality, Some(strahl_volume::Modality::Mr));
+    assert_eq!(metadata.value_unit.as_deref(), Some("HU"));
+    let expected = [
+        ("content", "a thing"),
+        ("modality", "MR"),
+        ("key", "a:=b\nc"),
+    ];
+    let expected = expected.map(|(k, v)| (k.to_owned(), v.to_owned()));
+    assert_eq!(metadata.entries, expected);
+}
+
+#[test]
+fn wrong_headers_are_refused_with_the_field_named() {
+    let base = "NRRD0004\ntype: short\ndimension: 3\nsizes: 2 3 1\nencoding: raw\nendian: little\n";
+    let change = |from: &str, to: &str| base.replace(from, to);
+    let cases = [
+        (change("NRRD0004", "NRRD0009"), "NRRD0001"),
+        (change("type: short\n", ""), "type is missing"),
+        (change("type: short", "type: quad"), "type is `quad`"),
+        (change("type: short", "type: long long"), "type long long"),
+        (change("type: short", "type: block"), "block"),
+        (change("dimension: 3\n", ""), "dimension is missing"),
+        (change("dimension: 3", "dimension: 99"), "dimension is 99"),
+        (change("sizes: 2 3 1", "sizes: 2 3"), "sizes is `2 3`"),
+        (change("sizes: 2 3 1", "sizes: 2 0 1"), "sizes is [2, 0, 1]"),
+        (change("sizes: 2 3 1", "sizes: 2 -3 1"), "sizes is `2 -3 1`"),
+        (
+            change("sizes: 2 3 1", "sizes: 1048576 1048576 1048576"),
+            "cut off",
+        ),
+        (
+            change("sizes: 2 3 1", "sizes: 4194304 4194304 4194304"),
+            "sizes",
+        ),
+        (change("encoding: raw\n", ""), "encoding is missing"),
+        (
+            change("encoding: raw", "encoding: zip"),
+            "encoding is `zip`",
+        ),
+        (change("endian: little\n", ""), "endian is missing"),
+        (
+            change("endian: little", "endian: middle"),
+            "endian is `middle`",
+        ),
+        (
+            change("endian: little", "endian: little\nendian: big"),
+            "endian is given twice",
+        ),
+        (
+            change("endian: little", "endian: little\nno such: 1"),
+            "no such",
+        ),
+        (
+            change("endian: little", "endian: little\nnonsense"),
+            "nonsense",
+        ),
+        (
+            change("endian: little", "endian: little\nbyte skip: -2"),
+            "byte skip is -2",
+        ),
+        (
+            change("endian: little", "endian: little\nline skip: -1"),
+            "line skip is -1",
+        ),
+        (
+            change("endian: little", "endian: little\ndata file: gone.raw"),
+            "gone.raw",
+        ),
+        (
+            change("endian: little", "endian: little\ndata file: ../../secret"),
+            "secret",
+        ),
+        (
+            change("endian: little", "endian: little\ndata file: s%s.raw 1 2 1"),
+            "s%s.raw",
+        ),
+        (
+            change(
+                "endian: little",
+                "endian: little\nspace: inside-out\nspace directions: (1,0,0) (0,1,0) (0,0,1)",
+            ),
+            "space is `inside-out`",
+        ),
+        (
+            change(
+                "endian: little",
+                "endian: little\nspace: LPS\nspace directions: (1,0,0) (0,1,0)",
+            ),
+            "space directions",
+        ),
+        (
+            change(
+                "endian: little",
+                "endian: little\nspace: LPS\nspace directions: (1,0,0) (2,0,0) (0,0,1)",
+            ),
+            "cannot be inverted",
+        ),
+        (
+            change(
+                "endian: little",
+                "endian: little\nspace: LPS\nspace directions: (nan,0,0) (0,1,0) (0,0,1)",
+            ),
+            "not finite",
+        ),
+        (
+            change("endian: little", "endian: little\nspacings: 1 0 1"),
+            "cannot be inverted",
+        ),
+        (
+            change("endian: little", "endian: little\nkinds: domain domain"),
+            "kinds",
+        ),
+    ];
+    for (header, part) in cases {
+        let message = message(&[("v.nrrd", &attached(&header, &[0; 12]))]);
+        assert!(
+            message.starts_with("v.nrrd: ") && message.contains(part),
+            "{message}"
+        );
+    }
+    let message = message(&[("v.nrrd", base.as_bytes())]);
+    assert!(message.contains("empty line"), "{message}");
+}

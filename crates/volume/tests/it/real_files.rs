@@ -1,0 +1,106 @@
+//! The scans that lie beside the checkout, in `../shared/data`.
+
+use glam::DVec3;
+use std::path::PathBuf;
+use strahl_volume::read::{MemoryFiles, ReadOptions, read_file};
+use strahl_volume::{SampleType, read::Loaded};
+
+fn load(name: &str) -> Option<Loaded> {
+    let shared = std::env::var_os("STRAHL_SHARED").map_or_else(
+        || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared"),
+        PathBuf::from,
+    );
+    let path = shared.join("data").join(name);
+    let Ok(bytes) = std::fs::read(&path) else {
+        eprintln!("skipped: {} is not there", path.display());
+        return None;
+    };
+    let folder = MemoryFiles::from([(name.to_owned(), bytes)]);
+    Some(read_file(name, &folder, &ReadOptions::default()).unwrap())
+}
+
+#[track_caller]
+fn check(name: &str, dims: [usize; 3], sample_type: SampleType, spacing_mm: DVec3, first: DVec3) {
+    let Some(loaded) = load(name) else { return };
+    let volume = &loaded.volume;
+    assert_eq!(volume.grid().dims(), dims, "{name}");
+    assert_eq!(volume.sample_type(), sample_type);
+    assert!((volume.grid().spacing_mm() - spacing_mm).length() < 1e-6);
+    let translation = volume.grid().world_from_voxel().translation;
+    assert!((translation - first).length() < 1e-4, "{translation}");
+    assert_eq!(volume.grid().orientation(), "RAS");
+    let counted: u64 = volume.statistics().histogram.iter().sum();
+    assert_eq!(counted, volume.grid().voxel_count() as u64);
+    assert_eq!(loaded.notes, Vec::<String>::new());
+}
+
+#[test]
+fn engine() {
+    let first = DVec3::new(-127.0, -127.0, -64.0);
+    check(
+        "engine.nii.gz",
+        [256, 256, 128],
+        SampleType::U8,
+        DVec3::ONE,
+        first,
+    );
+}
+
+#[test]
+fn bonsai() {
+    let first = DVec3::new(-127.0, -127.0, -128.0);
+    check(
+        "bonsai.nii.gz",
+        [256, 256, 256],
+        SampleType::U8,
+        DVec3::ONE,
+        first,
+    );
+}
+
+#[test]
+fn fuel() {
+    let first = DVec3::new(-31.0, -16.0, -16.0);
+    check(
+        "fuel.nii.gz",
+        [64, 33, 32],
+        SampleType::U8,
+        DVec3::ONE,
+        first,
+    );
+}
+
+#[test]
+fn head_cta() {
+    let spacing = DVec3::new(0.719_942_57, 0.720_913_6, 1.0);
+    let first = DVec3::new(-73.397_689_82, -69.694_198_61, -64.110_000_61);
+    check(
+        "head-cta.nii.gz",
+        [256, 242, 154],
+        SampleType::U8,
+        spacing,
+        first,
+    );
+}
+
+#[test]
+fn brain() {
+    let first = DVec3::new(-78.0, -115.0, -78.0);
+    check(
+        "brain-t1.nii.gz",
+        [157, 197, 165],
+        SampleType::U8,
+        DVec3::ONE,
+        first,
+    );
+    check(
+        "brain-labels.nii.gz",
+        [157, 197, 165],
+        SampleType::U8,
+        DVec3::ONE,
+        first,
+    );
+    if let Some(labels) = load("brain-labels.nii.gz") {
+        assert_eq!(labels.labels, Some(vec![]));
+    }
+}

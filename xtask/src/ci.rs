@@ -1,0 +1,69 @@
+//! `cargo xtask ci`: all that a submission must pass. Every step runs, even after one failed.
+
+use crate::command::{cargo, succeeds};
+use crate::{suite, tidy};
+use anyhow::Result;
+use std::path::Path;
+use std::time::Instant;
+
+/// Runs every step; whether all passed.
+pub fn run(root: &Path) -> Result<bool> {
+    let mut steps = Steps::default();
+    steps.run("formatting", || {
+        succeeds(cargo(root).args(["fmt", "--all", "--check"]))
+    })?;
+    steps.run("tidy", || tidy::run(root))?;
+    let mut report = suite::Report::default();
+    steps.run("tests", || {
+        report = suite::run(root, None)?;
+        Ok(report.print())
+    })?;
+    steps.run("clippy", || {
+        succeeds(
+            cargo(root)
+                .args(["clippy", "--workspace", "--all-targets", "--quiet"])
+                .args(["--", "-D", "warnings"]),
+        )
+    })?;
+    steps.run("volume without its optional features", || {
+        succeeds(cargo(root).args([
+            "check",
+            "--quiet",
+            "--package",
+            "strahl-volume",
+            "--no-default-features",
+        ]))
+    })?;
+    steps.run("documentation", || {
+        succeeds(
+            cargo(root)
+                .args(["doc", "--workspace", "--no-deps", "--quiet"])
+                .env("RUSTDOCFLAGS", "-D warnings"),
+        )
+    })?;
+    let passed = steps.print();
+    println!("{}", report.closing_line());
+    Ok(passed)
+}
+
+#[derive(Default)]
+struct Steps(Vec<(&'static str, bool, f64)>);
+
+impl Steps {
+    fn run(&mut self, name: &'static str, step: impl FnOnce() -> Result<bool>) -> Result<()> {
+        println!("== {name}");
+        let start = Instant::now();
+        let passed = step()?;
+        self.0.push((name, passed, start.elapsed().as_secs_f64()));
+        Ok(())
+    }
+
+    fn print(&self) -> bool {
+        println!();
+        for (name, passed, seconds) in &self.0 {
+            let word = if *passed { "ok" } else { "FAILED" };
+            println!("{word:<7} {seconds:>7.1} s  {name}");
+        }
+        self.0.iter().all(|(_, passed, _)| *passed)
+    }
+}

@@ -1,0 +1,84 @@
+//! The project's own commands: `cargo xtask test | tidy | ci | oracle | fuzz`.
+
+mod ci;
+mod command;
+mod driver;
+mod fuzz;
+mod oracle;
+mod suite;
+mod tidy;
+
+use anyhow::Result;
+use clap::{Parser, Subcommand};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// The project's own commands.
+#[derive(Parser)]
+#[command(name = "cargo xtask", bin_name = "cargo xtask")]
+struct Arguments {
+    #[command(subcommand)]
+    task: Task,
+}
+
+#[derive(Subcommand)]
+enum Task {
+    /// Runs every test of the workspace, doc tests included, and says which were skipped and why.
+    Test {
+        /// Only tests whose name contains this.
+        filter: Option<String>,
+    },
+    /// Checks the rules that no compiler checks: dependencies, names, coverage, glossary, links.
+    Tidy,
+    /// All that a submission must pass: tests, formatting, clippy, documentation, tidy.
+    Ci,
+    /// Compares what Strahl reads and writes with independent Python libraries.
+    Oracle {
+        /// Measures time and memory of reading beside those libraries instead of comparing.
+        #[arg(long)]
+        time: bool,
+        /// Only cases whose name contains this.
+        #[arg(long)]
+        only: Option<String>,
+        /// Prints every case, not only the mismatches and a table.
+        #[arg(long)]
+        verbose: bool,
+    },
+    /// Throws hostile files at the readers (needs a nightly toolchain and cargo-fuzz).
+    Fuzz {
+        /// The reader, such as `nrrd`; all one after another if not said.
+        target: Option<String>,
+        /// How long each target runs.
+        #[arg(long, default_value_t = 60)]
+        seconds: u64,
+    },
+}
+
+fn main() -> Result<ExitCode> {
+    let arguments = Arguments::parse();
+    let root = root();
+    let passed = match arguments.task {
+        Task::Test { filter } => suite::run(&root, filter.as_deref())?.print(),
+        Task::Tidy => tidy::run(&root)?,
+        Task::Ci => ci::run(&root)?,
+        Task::Oracle {
+            time,
+            only,
+            verbose,
+        } => oracle::run(&root, time, only.as_deref(), verbose)?,
+        Task::Fuzz { target, seconds } => fuzz::run(&root, target.as_deref(), seconds)?,
+    };
+    Ok(if passed {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::FAILURE
+    })
+}
+
+/// The root of the checkout.
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .parent()
+        .expect("xtask lies in the workspace")
+        .to_path_buf()
+}
