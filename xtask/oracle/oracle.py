@@ -35,7 +35,7 @@ def main():
     parser.add_argument("--data", required=True, type=Path)
     parser.add_argument("--scratch", required=True, type=Path)
     parser.add_argument("--only", default="")
-    parser.add_argument("--time", action="store_true")
+    parser.add_argument("--time", type=Path, help="the program that reads through the library")
     parser.add_argument("--verbose", action="store_true")
     arguments = parser.parse_args()
     warnings.simplefilter("ignore")
@@ -43,7 +43,8 @@ def main():
     if arguments.time:
         # In a process of its own, small enough to measure small ones.
         script = Path(__file__).with_name("timing.py")
-        return subprocess.call([sys.executable, script, arguments.strahl, arguments.data])
+        programs = [arguments.strahl, arguments.time]
+        return subprocess.call([sys.executable, script, *programs, arguments.data])
 
     shutil.rmtree(arguments.scratch, ignore_errors=True)
     arguments.scratch.mkdir(parents=True)

@@ -16,6 +16,20 @@ pub fn run(root: &Path, time: bool, only: Option<&str>, verbose: bool) -> Result
         succeeds(cargo(root).args(["build", "--release", "--package", "strahl"]))?,
         "strahl does not build"
     );
+    if time {
+        let example = [
+            "build",
+            "--release",
+            "--package",
+            "strahl",
+            "--example",
+            "time_reading",
+        ];
+        ensure!(
+            succeeds(cargo(root).args(example))?,
+            "time_reading does not build"
+        );
+    }
     let mut command = Command::new(python);
     command
         .current_dir(root)
@@ -27,7 +41,8 @@ pub fn run(root: &Path, time: bool, only: Option<&str>, verbose: bool) -> Result
         .arg("--scratch")
         .arg(target_folder(root)?.join("oracle"));
     if time {
-        command.arg("--time");
+        let program = target_folder(root)?.join("release/examples/time_reading");
+        command.arg("--time").arg(program);
     }
     if verbose {
         command.arg("--verbose");

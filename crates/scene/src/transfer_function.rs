@@ -487,31 +487,33 @@ impl Curves {
             (lo, hi) = (lo.max(range_lo), hi.min(range_hi));
         }
         let stored_step = header.rescale.slope.abs();
-        let stored_steps = (hi - lo) / stored_step + 3.0;
-        let (first, spacing, steps) =
-            if header.sample_type.is_integer() && stored_steps < MOST_ENTRIES as f64 - 1.0 {
-                // From one stored value below the first piece to one above the last.
-                let below = ((lo - range_lo) / stored_step).floor() - 1.0;
-                let above = ((hi - range_lo) / stored_step).ceil() + 1.0;
-                let per_value = (FEWEST_ENTRIES as f64 / (above - below)).floor().max(1.0);
-                (
-                    range_lo + below * stored_step,
-                    stored_step / per_value,
-                    (above - below) * per_value,
-                )
-            } else {
-                let narrowest = knots
-                    .windows(2)
-                    .map(|pair| pair[1] - pair[0])
-                    .filter(|gap| *gap > 0.0)
-                    .fold(hi - lo, f64::min);
-                let wanted = (4.0 * (hi - lo) / narrowest).ceil();
-                let steps = if wanted.is_finite() { wanted } else { 0.0 }
-                    .clamp(FEWEST_ENTRIES as f64, (MOST_ENTRIES - 3) as f64);
-                // A function of one step only has no width of its own.
-                let spacing = ((hi - lo) / steps).max(1e-6 * hi.abs().max(lo.abs()).max(1e-20));
-                (lo - spacing, spacing, steps + 2.0)
-            };
+        // From one stored value below the first piece to one above the last. (Far away from the volume
+        // numbers are too coarse to be told apart from their neighbours.)
+        let below = ((lo - range_lo) / stored_step).floor() - 1.0;
+        let above = ((hi - range_lo) / stored_step).ceil() + 1.0;
+        let stored_steps = above - below;
+        let (first, spacing, steps) = if header.sample_type.is_integer()
+            && (1.0..MOST_ENTRIES as f64).contains(&stored_steps)
+        {
+            let per_value = (FEWEST_ENTRIES as f64 / stored_steps).floor().max(1.0);
+            (
+                range_lo + below * stored_step,
+                stored_step / per_value,
+                stored_steps * per_value,
+            )
+        } else {
+            let narrowest = knots
+                .windows(2)
+                .map(|pair| pair[1] - pair[0])
+                .filter(|gap| *gap > 0.0)
+                .fold(hi - lo, f64::min);
+            let wanted = (4.0 * (hi - lo) / narrowest).ceil();
+            let steps = if wanted.is_finite() { wanted } else { 0.0 }
+                .clamp(FEWEST_ENTRIES as f64, (MOST_ENTRIES - 3) as f64);
+            // A function of one step only has no width of its own.
+            let spacing = ((hi - lo) / steps).max(1e-6 * hi.abs().max(lo.abs()).max(1e-20));
+            (lo - spacing, spacing, steps + 2.0)
+        };
         let last = first + steps * spacing;
         let (domain_lo, mut domain_hi) = (first as f32, last as f32);
         if domain_hi <= domain_lo {

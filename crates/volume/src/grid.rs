@@ -50,7 +50,7 @@ impl Grid {
         if !world_from_voxel.is_finite() {
             return Err(ErrorKind::BadAffine {
                 affine: rows(&world_from_voxel),
-                why: "has a value that is not finite",
+                why: "has a value that is not finite; all twelve have to be numbers",
             }
             .into());
         }
@@ -62,7 +62,7 @@ impl Grid {
         if DMat3::from_cols(x, y, z).determinant().abs() <= 1e-9 {
             return Err(ErrorKind::BadAffine {
                 affine: rows(&world_from_voxel),
-                why: "cannot be inverted: two voxel axes are parallel or one has no length",
+                why: "cannot be inverted: two voxel axes are parallel, or one has no length; they have to span the space",
             }
             .into());
         }

@@ -11,6 +11,7 @@ mod metaimage;
 mod nifti;
 mod npy;
 mod nrrd;
+mod options;
 mod png;
 mod pvm;
 mod raw;
@@ -21,10 +22,13 @@ mod tiff;
 mod unoriented;
 mod unpacked;
 
-use crate::{Error, ErrorKind, Label, SampleType, Volume};
+use crate::{Error, ErrorKind, Label, Volume};
+use options::Open;
 use sniff::Kind;
 use std::collections::BTreeMap;
 use std::io;
+
+pub use options::{RawLayout, ReadOptions};
 
 /// The bytes of one file, read by position, so that samples go straight to where they stay.
 pub trait Bytes: Send + Sync {
@@ -106,36 +110,6 @@ impl Files for MemoryFiles {
     }
 }
 
-/// What the user says about a file that the file does not say itself.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct ReadOptions {
-    /// Which time point of a 4-D file to take, from 0.
-    pub time_index: usize,
-    /// Which DICOM series to take: its number in the list from 1, its series number, or (the
-    /// beginning of) its instance UID.
-    pub series: Option<String>,
-    /// Resamples a series with missing or uneven slices to the even grid instead of refusing it.
-    pub allow_gaps: bool,
-    /// Layout of headerless files; what is `None` is taken from the file's name, else asked for.
-    pub raw: RawLayout,
-    /// Distance between voxel centres in mm for files that do not say (raw, npy, TIFF, PNG, and
-    /// `.dat` without `SliceThickness`).
-    pub spacing_mm: Option<[f64; 3]>,
-}
-
-/// Layout of a headerless file.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct RawLayout {
-    /// Voxels along x, y, z.
-    pub dims: Option<[usize; 3]>,
-    /// Type of a sample.
-    pub sample_type: Option<SampleType>,
-    /// Byte order; little if not said.
-    pub big_endian: bool,
-    /// Bytes before the first sample.
-    pub header_bytes: u64,
-}
-
 /// What a file held.
 #[derive(Clone, Debug)]
 pub struct Loaded {
@@ -192,7 +166,7 @@ fn read_input(input: &Input, options: &ReadOptions) -> Result<Loaded, Error> {
             if encoding == block::Encoding::Gzip
                 && sniff::kind(&start)?.is_some_and(|kind| kind == Kind::Nifti)
             {
-                return nifti::read(input, options);
+                return read_kind(Kind::Nifti, input, options);
             }
             unpacked::read(input, encoding, options)
         }
@@ -202,6 +176,9 @@ fn read_input(input: &Input, options: &ReadOptions) -> Result<Loaded, Error> {
 }
 
 fn read_kind(kind: Kind, input: &Input, options: &ReadOptions) -> Result<Loaded, Error> {
+    if let Some((format, open)) = left_open(kind) {
+        options.check(format, open)?;
+    }
     match kind {
         Kind::Nifti => nifti::read(input, options),
         Kind::Nrrd => nrrd::read(input, options),
@@ -232,6 +209,27 @@ fn read_kind(kind: Kind, input: &Input, options: &ReadOptions) -> Result<Loaded,
     }
 }
 
+/// What a kind is called, and what its files leave for the user to say. The other kinds are not
+/// read, or looked at more closely first.
+fn left_open(kind: Kind) -> Option<(&'static str, &'static [Open])> {
+    Some(match kind {
+        Kind::Nifti => ("NIfTI", &[Open::Time]),
+        Kind::Nrrd => ("NRRD", &[Open::Time]),
+        Kind::MetaImage => ("MetaImage", &[Open::Time]),
+        Kind::Npy => ("npy", &[Open::Time, Open::Spacing]),
+        Kind::Tiff => ("TIFF", &[Open::Time, Open::Spacing]),
+        Kind::Png => ("PNG", &[Open::Spacing]),
+        Kind::Dat => (".dat", &[Open::Endian, Open::Spacing]),
+        Kind::Pvm => ("PVM", &[]),
+        Kind::Dicom => ("DICOM", DICOM_LEAVES_OPEN),
+        Kind::MaybeDicom | Kind::MaybeAnalyze | Kind::Packed(_) | Kind::Foreign { .. } => {
+            return None;
+        }
+    })
+}
+
+const DICOM_LEAVES_OPEN: &[Open] = &[Open::Time, Open::Series, Open::Spacing];
+
 /// The bytes say nothing, or not enough: the name decides.
 fn read_unknown(input: &Input, options: &ReadOptions) -> Result<Loaded, Error> {
     let name = input.name.to_ascii_lowercase();
@@ -246,12 +244,12 @@ fn read_unknown(input: &Input, options: &ReadOptions) -> Result<Loaded, Error> {
         return read_file(&header, input.files, options);
     }
     match sniff::kind(input.bytes)? {
-        Some(Kind::MaybeAnalyze) if !is_raw => nifti::read(input, options),
-        #[cfg(feature = "dicom")]
-        Some(Kind::MaybeDicom) if !is_raw => dicom::read_file(input, options),
-        #[cfg(not(feature = "dicom"))]
-        Some(Kind::MaybeDicom) if !is_raw => Err(not_built_in("DICOM", "dicom")),
-        _ if is_raw => raw::read(input, options),
+        Some(Kind::MaybeAnalyze) if !is_raw => read_kind(Kind::Nifti, input, options),
+        Some(Kind::MaybeDicom) if !is_raw => read_kind(Kind::Dicom, input, options),
+        _ if is_raw => {
+            options.check("raw", &[Open::Layout, Open::Endian, Open::Spacing])?;
+            raw::read(input, options)
+        }
         _ => Err(ErrorKind::Unknown {
             why: sniff::describe(input.bytes)?,
         }
@@ -272,12 +270,14 @@ fn folder(name: &str, files: &dyn Files, options: &ReadOptions) -> Result<Loaded
         }
     }
     if has_dicom {
+        options.check("DICOM", DICOM_LEAVES_OPEN)?;
         #[cfg(feature = "dicom")]
         return dicom::read_folder(name, files, options);
         #[cfg(not(feature = "dicom"))]
         return Err(not_built_in("DICOM", "dicom"));
     }
     if !pictures.is_empty() {
+        options.check("TIFF and PNG", &[Open::Time, Open::Spacing])?;
         return slices::read_pictures(name, files, pictures, &others, options);
     }
     Err(ErrorKind::Unknown {

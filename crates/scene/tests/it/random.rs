@@ -12,7 +12,7 @@ fn finite() -> BoxedStrategy<f64> {
         4 => -2.0..2.0f64,
         4 => (-300i32..300).prop_map(f64::from),
         1 => any::<f64>().prop_filter("finite", |v| v.is_finite()),
-        1 => select(vec![0.0, -0.0, 1e-300, 1e300, 90.0, 180.0, 1e-12, 1e12]),
+        1 => select(vec![0.0, -0.0, 1e-300, 1e300, 90.0, 180.0, 1e-12, 1e12, 4e16, 1e27]),
     ]
     .boxed()
 }

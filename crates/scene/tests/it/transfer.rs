@@ -176,6 +176,26 @@ fn a_window_is_a_ramp() {
     }
 }
 
+/// Found by fuzzing: where the distance to the next number is larger than the window.
+#[test]
+fn a_window_far_from_all_values_is_still_a_table() {
+    for (level, window) in [(4e16, 1.0), (-4e16, 1.0), (4.4e26, 401.0), (1e30, 1e-30)] {
+        for header in [bytes(), ct_head()] {
+            let table = table(
+                TransferFunction {
+                    window: Some(window),
+                    level: Some(level),
+                    opacity: Some([0.25, 0.75]),
+                    ..TransferFunction::default()
+                },
+                &header,
+            );
+            let expected = if level > 0.0 { 0.25 } else { 0.75 };
+            assert_eq!(table.at(100.0)[3], expected, "level {level}");
+        }
+    }
+}
+
 #[test]
 fn points_can_count_in_the_window() {
     let function = TransferFunction {

@@ -38,6 +38,16 @@ const INTENT_LABEL: i64 = 1002;
 pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error> {
     let (head_encoding, head) = header_bytes(input.bytes)?;
     let mut header = Header::parse(&head)?;
+    let lower = input.name.to_ascii_lowercase();
+    if header.version == Version::Analyze && (lower.ends_with(".nii") || lower.ends_with(".nii.gz"))
+    {
+        // Analyze has no single files, so the magic of NIfTI is damaged.
+        return Err(Error::field(
+            "magic",
+            format!("`{}`", head[344..348].escape_ascii()),
+            "`n+1\\0` or `ni1\\0`",
+        ));
+    }
     let mut notes = std::mem::take(&mut header.notes);
 
     let [nx, ny, nz, time_points] = header.lengths()?;

@@ -72,14 +72,14 @@ fn volume() -> impl Strategy<Value = Volume> {
 fn write_and_read(name: &str, volume: &Volume, options: &WriteOptions) -> Loaded {
     let mut folder = NewMemoryFiles::default();
     write(name, volume, options, &mut folder).unwrap();
-    let options = ReadOptions {
-        raw: RawLayout {
+    let mut options = ReadOptions::default();
+    if name.ends_with(".raw") {
+        options.raw = RawLayout {
             dims: Some(volume.grid().dims()),
             sample_type: Some(volume.sample_type()),
             ..RawLayout::default()
-        },
-        ..ReadOptions::default()
-    };
+        };
+    }
     read_file(name, &folder.0, &options).unwrap()
 }
 
