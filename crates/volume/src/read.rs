@@ -220,7 +220,7 @@ fn left_open(kind: Kind) -> Option<(&'static str, &'static [Open])> {
         Kind::Tiff => ("TIFF", &[Open::Time, Open::Spacing]),
         Kind::Png => ("PNG", &[Open::Spacing]),
         Kind::Dat => (".dat", &[Open::Endian, Open::Spacing]),
-        Kind::Pvm => ("PVM", &[]),
+        Kind::Pvm => ("PVM", &[Open::Spacing]),
         Kind::Dicom => ("DICOM", DICOM_LEAVES_OPEN),
         Kind::MaybeDicom | Kind::MaybeAnalyze | Kind::Packed(_) | Kind::Foreign { .. } => {
             return None;
@@ -277,7 +277,7 @@ fn folder(name: &str, files: &dyn Files, options: &ReadOptions) -> Result<Loaded
         return Err(not_built_in("DICOM", "dicom"));
     }
     if !pictures.is_empty() {
-        options.check("TIFF and PNG", &[Open::Time, Open::Spacing])?;
+        options.check("TIFF or PNG", &[Open::Time, Open::Spacing])?;
         return slices::read_pictures(name, files, pictures, &others, options);
     }
     Err(ErrorKind::Unknown {

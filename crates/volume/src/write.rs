@@ -21,6 +21,8 @@ use crate::read::MemoryFiles;
 use crate::{Label, Volume};
 use std::io::{self, Write};
 
+pub use raw::value_type;
+
 /// The kinds of file that can be written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
@@ -68,6 +70,11 @@ impl Format {
                     format!("a name that ends in one of {}", known.join(", ")),
                 )
             })
+    }
+
+    /// Whether files of this format say where their voxels lie in the world.
+    pub fn keeps_place(self) -> bool {
+        !matches!(self, Format::Npy | Format::Raw)
     }
 }
 

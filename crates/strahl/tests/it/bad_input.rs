@@ -69,14 +69,35 @@ fn a_folder_without_a_volume() {
 #[test]
 fn files_that_are_no_volume() {
     let folder = tempfile::tempdir().unwrap();
+    // The size of a NIfTI header and three axes; zeros where the magic has to be.
+    let mut wrong_magic = [0; 400];
+    wrong_magic[..2].copy_from_slice(&[0x5c, 1]);
+    wrong_magic[40] = 3;
     for (name, bytes) in [
         ("empty.nii", &b""[..]),
         ("text.txt", b"Dear diary"),
         ("cut.nrrd", b"NRRD0004\ntype: uint8\n"),
+        ("magic.nii", &wrong_magic),
         ("cut.png", b"\x89PNG\r\n\x1a\n\0\0"),
     ] {
         fs::write(folder.path().join(name), bytes).unwrap();
         fails(folder.path(), &["render", name, "-o", "out.png"], &[name]);
+    }
+    fails(folder.path(), &["info", "magic.nii"], &["magic is", "n+1"]);
+}
+
+#[test]
+fn what_the_file_says_itself() {
+    for (flags, words) in [
+        (["--dims", "3,3,3"], ["dims is 3,3,3", "NRRD"]),
+        (["--type", "u8"], ["type is u8", "NRRD"]),
+        (["--spacing", "2"], ["spacing_mm is 2,2,2", "NRRD"]),
+        (["--series", "2"], ["series is 2", "no series"]),
+        (["--header-bytes", "7"], ["header_bytes is 7", "NRRD"]),
+        (["--endian", "big"], ["endian is big", "NRRD"]),
+        (["--time", "1"], ["time point is 1", "single volume"]),
+    ] {
+        flags_fail(&flags, &words);
     }
 }
 

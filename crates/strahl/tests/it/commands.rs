@@ -165,6 +165,25 @@ fn volumes_keep_their_values_in_every_format() {
 }
 
 #[test]
+fn what_a_file_without_header_loses_is_told() {
+    let folder = folder_with_shells();
+    let raw = run(folder.path(), &["convert", "shells.nrrd", "a.raw"]);
+    let (_, flags) = raw.err.split_once("read it with ").unwrap();
+    let flags = flags.lines().next().unwrap();
+    assert!(
+        flags.starts_with("--dims 16,12,8 --type f32 --spacing "),
+        "{flags}"
+    );
+    let mut args = vec!["convert", "a.raw", "b.nrrd"];
+    args.extend(flags.split(' '));
+    run_well(folder.path(), &args);
+    let npy = run(folder.path(), &["convert", "shells.nrrd", "a.npy"]);
+    assert!(npy.err.contains("read it with --spacing "), "{}", npy.err);
+    let nifti = run(folder.path(), &["convert", "shells.nrrd", "a.nii"]);
+    assert!(!nifti.err.contains("note"), "{}", nifti.err);
+}
+
+#[test]
 fn presets_are_listed_and_printed() {
     let folder = folder_with_shells();
     let list = run_well(folder.path(), &["presets"]);

@@ -1,12 +1,22 @@
-//! Ctrl-C.
+//! Ctrl-C, and a request to end.
 
 use super::*;
 use std::fs;
 use std::io::{BufRead, BufReader};
 
-/// Draws something long until the first line of progress, then interrupts it.
 #[test]
 fn an_interrupt_leaves_no_half_written_file() {
+    stopped_by("-INT");
+}
+
+/// As batch systems and `docker stop` do it.
+#[test]
+fn a_request_to_end_leaves_no_half_written_file() {
+    stopped_by("-TERM");
+}
+
+/// Draws something long until the first line of progress, then sends the signal.
+fn stopped_by(signal: &str) {
     let folder = folder_with_shells();
     fs::write(folder.path().join("out.png"), "the old picture").unwrap();
     let args = [
@@ -33,7 +43,7 @@ fn an_interrupt_leaves_no_half_written_file() {
     let unfinished = |names: Vec<String>| names.iter().any(|name| name.ends_with(".part"));
     assert!(unfinished(names(folder.path())), "nothing was begun");
     let kill = Command::new("kill")
-        .args(["-INT", &child.id().to_string()])
+        .args([signal, &child.id().to_string()])
         .status()
         .unwrap();
     assert!(kill.success());

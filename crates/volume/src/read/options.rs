@@ -78,11 +78,15 @@ impl ReadOptions {
         ];
         for (what, name, value) in said {
             if let Some(value) = value.filter(|_| !open.contains(&what)) {
-                let remedy = match what {
-                    Open::Series => "nothing: only DICOM has series",
-                    _ => "nothing: the file says it itself",
+                let why = match what {
+                    Open::Series => "have no series",
+                    _ => "say it themselves",
                 };
-                return Err(Error::field(name, value, format!("{remedy} ({format})")));
+                return Err(Error::field(
+                    name,
+                    value,
+                    format!("nothing: {format} files {why}"),
+                ));
             }
         }
         if self.time_index > 0 && !open.contains(&Open::Time) {
@@ -116,7 +120,7 @@ mod tests {
             .to_string();
         assert_eq!(
             message,
-            "dims is 3,4,5; allowed: nothing: the file says it itself (NIfTI)"
+            "dims is 3,4,5; allowed: nothing: NIfTI files say it themselves"
         );
         let refused = |change: fn(&mut ReadOptions)| {
             let mut options = ReadOptions::default();
@@ -127,7 +131,7 @@ mod tests {
         for (change, expected) in [
             (
                 (|o| o.series = Some("2".into())) as fn(&mut ReadOptions),
-                "series is 2; allowed: nothing: only DICOM has series (PVM)",
+                "series is 2; allowed: nothing: PVM files have no series",
             ),
             (|o| o.time_index = 1, "time point is 1; allowed: 0"),
             (|o| o.spacing_mm = Some([1.0; 3]), "spacing_mm is 1,1,1"),

@@ -21,8 +21,9 @@ const LEVEL: Compression = Compression::new(4);
 const PIECE: usize = 1 << 15;
 
 /// The type in which the values of a volume are written by formats without a rescale: the stored
-/// type if the rescale is identity.
-pub(crate) fn value_type(volume: &Volume) -> SampleType {
+/// type if the rescale is identity, else the narrowest of whole numbers that holds them, else f32 or
+/// f64.
+pub fn value_type(volume: &Volume) -> SampleType {
     let stored = volume.sample_type();
     let Rescale { slope, intercept } = volume.rescale();
     if volume.rescale() == Rescale::IDENTITY {

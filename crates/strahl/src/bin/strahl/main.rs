@@ -15,7 +15,7 @@ use std::process::ExitCode;
 
 fn main() -> ExitCode {
     let flags = flags::Flags::parse();
-    // An interrupt may come at any time, also while a file is read or written. Whatever is
+    // An interrupt or a request to end may come at any time, also while a file is read or written. Whatever is
     // unfinished is removed from here, so that nothing else has to check.
     let handler = ctrlc::set_handler(|| {
         strahl::abandon_outputs();

@@ -8,7 +8,8 @@ use anyhow::{Context, Result};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use strahl::Output;
-use strahl::volume::write::{Format, NewFiles, WriteOptions, write};
+use strahl::volume::Volume;
+use strahl::volume::write::{Format, NewFiles, WriteOptions, value_type, write};
 
 pub fn run(flags: &ConvertFlags, quiet: bool) -> Result<()> {
     let path = &flags.output;
@@ -17,7 +18,7 @@ pub fn run(flags: &ConvertFlags, quiet: bool) -> Result<()> {
         .and_then(|name| name.to_str())
         .with_context(|| format!("{}: not the name of a file", path.display()))?;
     // Both before the long work.
-    Format::of_name(name)?;
+    let format = Format::of_name(name)?;
     drop(Output::create(path)?);
     let loaded = load(&flags.inputs, &flags.read, quiet)?;
     for note in &loaded.notes {
@@ -37,11 +38,27 @@ pub fn run(flags: &ConvertFlags, quiet: bool) -> Result<()> {
         output.finish()?;
     }
     drop(progress);
+    if !format.keeps_place() {
+        print::note(&what_is_lost(format, &loaded.volume), quiet);
+    }
     if !quiet {
         let [x, y, z] = loaded.volume.grid().dims();
         eprintln!("wrote {}: {x} × {y} × {z} voxels", path.display());
     }
     Ok(())
+}
+
+/// What a format without a header leaves behind, and the flags that make up for it.
+fn what_is_lost(format: Format, volume: &Volume) -> String {
+    let [x, y, z] = volume.grid().dims();
+    let [sx, sy, sz] = volume.grid().spacing_mm().to_array();
+    let layout = match format {
+        Format::Raw => format!("--dims {x},{y},{z} --type {} ", value_type(volume)),
+        _ => String::new(),
+    };
+    format!(
+        "the file holds numbers alone, not where they lie; read it with {layout}--spacing {sx},{sy},{sz}"
+    )
 }
 
 /// New files that get their names when all of them are complete.
