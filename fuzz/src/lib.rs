@@ -2,6 +2,7 @@
 //! was read, and an allocator that tells when a header's claim was believed.
 
 use std::alloc::{GlobalAlloc, Layout, System};
+use strahl_volume::read::mesh::{self, MeshSpace};
 use strahl_volume::read::{Loaded, MemoryFiles, ReadOptions, read_file, read_folder};
 
 /// Stands between the files of one input (a header and its data, the slices of a series).
@@ -92,6 +93,23 @@ pub fn read_all(files: &MemoryFiles) {
         if let Ok(loaded) = read_folder("folder", files, &options) {
             check_loaded(&loaded);
         }
+    }
+}
+
+/// Reads a mesh, as it says and as LPS, and checks what comes.
+pub fn read_mesh(name: &str, input: &[u8]) {
+    let files = MemoryFiles::from([(name.to_owned(), input.to_vec())]);
+    for space in [None, Some(MeshSpace::Lps)] {
+        let Ok(loaded) = mesh::read_mesh(name, &files, space) else {
+            continue;
+        };
+        let (lo, hi) = loaded.mesh.bounds_mm();
+        assert!(lo.is_finite() && hi.is_finite() && lo.cmple(hi).all());
+        let normals = loaded.mesh.vertex_normals();
+        assert_eq!(normals.len(), loaded.mesh.positions().len());
+        assert!(normals.iter().flatten().all(|c| c.abs() < 1.001));
+        let corners = loaded.mesh.triangles().iter().flatten();
+        assert!(corners.max().is_some_and(|&c| (c as usize) < normals.len()));
     }
 }
 

@@ -223,7 +223,7 @@ pub fn voxel_count(dims: [usize; 3]) -> Option<usize> {
         .filter(|&n| n <= isize::MAX as usize)
 }
 
-fn rows(affine: &DAffine3) -> String {
+pub(crate) fn rows(affine: &DAffine3) -> String {
     let (m, t) = (affine.matrix3, affine.translation);
     format!(
         "[{} {} {} {}; {} {} {} {}; {} {} {} {}]",

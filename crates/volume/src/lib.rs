@@ -4,6 +4,8 @@
 //! *value* is the rescaled number ([`Rescale`]), HU for CT. The grid's `world_from_voxel` places
 //! voxel centres (whole-number indices) in patient RAS millimetres.
 //!
+//! A [`Mesh`] is a surface of triangles in the same world; [`read::mesh`] reads them.
+//!
 //! This crate knows no other crate of the workspace, no file system (a reader gets [`read::Files`]),
 //! no picture and no GPU.
 //!
@@ -23,6 +25,9 @@ pub mod bricks;
 mod error;
 mod grid;
 mod labels;
+mod level_of_detail;
+mod mesh;
+mod prefilter;
 mod samples;
 mod statistics;
 mod volume;
@@ -34,6 +39,7 @@ pub mod write;
 pub use error::{Error, ErrorKind};
 pub use grid::{Grid, voxel_count};
 pub use labels::{Label, LabelIds, LabelVolume};
+pub use mesh::Mesh;
 pub use phantom::Phantom;
 pub use samples::{Sample, SampleType, Samples};
 pub use statistics::Statistics;

@@ -7,6 +7,7 @@ mod data_files;
 #[cfg(feature = "dicom")]
 pub mod dicom;
 mod header_lines;
+pub mod mesh;
 mod metaimage;
 mod nifti;
 mod npy;

@@ -2,6 +2,7 @@
 //! `tests/crashes/TARGET/` is read by the reader of that fuzz target, the same way as `fuzz/` does.
 
 use std::path::{Path, PathBuf};
+use strahl_volume::read::mesh::{self, MeshSpace};
 use strahl_volume::read::{Loaded, MemoryFiles, ReadOptions, read_file, read_folder};
 
 const SEPARATOR: &[u8] = b"\n--next file--\n";
@@ -59,6 +60,9 @@ fn parts<'a>(input: &'a [u8], names: &[&str]) -> MemoryFiles {
         .collect()
 }
 
+/// The fuzz targets that read meshes.
+const MESHES: [&str; 3] = ["obj", "ply", "stl"];
+
 /// What must hold for every volume, whatever the file said.
 fn check(loaded: &Loaded, input: &Path) {
     let volume = &loaded.volume;
@@ -74,8 +78,26 @@ fn check(loaded: &Loaded, input: &Path) {
     );
 }
 
+fn read_mesh(target: &str, input: &[u8]) -> bool {
+    let name = format!("mesh.{target}");
+    let files = MemoryFiles::from([(name.clone(), input.to_vec())]);
+    let loaded = [None, Some(MeshSpace::Lps)].map(|space| mesh::read_mesh(&name, &files, space));
+    for loaded in loaded.iter().flatten() {
+        let (lo, hi) = loaded.mesh.bounds_mm();
+        assert!(lo.is_finite() && hi.is_finite() && lo.cmple(hi).all());
+        assert_eq!(
+            loaded.mesh.vertex_normals().len(),
+            loaded.mesh.positions().len()
+        );
+    }
+    loaded.iter().any(Result::is_ok)
+}
+
 /// Whether the input was read; the target's name and its files decide how.
 fn read(target: &str, path: &Path, input: &[u8]) -> bool {
+    if MESHES.contains(&target) {
+        return read_mesh(target, input);
+    }
     if target == "raw" {
         let end = input.iter().position(|&byte| byte == b'\n').unwrap_or(0);
         let Ok(name) = std::str::from_utf8(&input[..end]) else {
@@ -127,7 +149,11 @@ fn what_once_broke_a_reader_does_not() {
 fn seeds_are_read_except_those_of_what_is_refused() {
     let refused = ["png/palette", "png/rgb"];
     let seeds = folder("../../fuzz/seeds");
-    let targets = TARGETS.iter().map(|(name, ..)| *name).chain(["raw"]);
+    let targets = TARGETS
+        .iter()
+        .map(|(name, ..)| *name)
+        .chain(["raw"])
+        .chain(MESHES);
     for target in targets {
         let inputs = inputs(&seeds.join(target));
         assert!(!inputs.is_empty(), "{target} has no seeds");

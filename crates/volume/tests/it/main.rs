@@ -2,6 +2,7 @@
 
 mod crashes;
 mod hostile;
+mod mesh;
 mod metaimage;
 mod nifti;
 mod nrrd;

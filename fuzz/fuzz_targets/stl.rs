@@ -1,0 +1,5 @@
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|input: &[u8]| {
+    strahl_fuzz::read_mesh("mesh.stl", input);
+});
