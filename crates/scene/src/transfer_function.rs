@@ -457,7 +457,9 @@ impl Curves {
     fn at(&self, value: f64, tolerance: f64) -> ([f64; 3], f64) {
         let color = match &self.color {
             ColorCurve::Points(points) => piecewise(points, value, tolerance),
-            ColorCurve::Map(map, [lo, hi]) => map.at((value - lo) / (hi - lo)).0,
+            ColorCurve::Map(map, [lo, hi]) if lo < hi => map.at((value - lo) / (hi - lo)).0,
+            // Narrower than the numbers at its level can tell apart: a step.
+            ColorCurve::Map(map, [lo, _]) => map.at(f64::from(value + tolerance >= *lo)).0,
         };
         (color, piecewise(&self.opacity, value, tolerance)[0])
     }

@@ -197,6 +197,22 @@ fn a_window_far_from_all_values_is_still_a_table() {
 }
 
 #[test]
+fn a_window_without_width_is_a_step() {
+    let table = table(
+        TransferFunction {
+            window: Some(1e-300),
+            level: Some(100.0),
+            color_map: Some(ColorMap::Grey),
+            opacity: Some([0.0, 1.0]),
+            ..TransferFunction::default()
+        },
+        &bytes(),
+    );
+    assert_eq!(table.at(99.0), [0.0; 4]);
+    assert_eq!(table.at(100.0), [1.0; 4]);
+}
+
+#[test]
 fn points_can_count_in_the_window() {
     let function = TransferFunction {
         points_in: Some(PointsIn::Window),
