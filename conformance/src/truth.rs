@@ -19,7 +19,10 @@ pub use field::{Field, Formula, Voxels};
 pub use range::{Bounds, Range};
 
 use glam::DVec3;
-use strahl_scene::plan::{Composite, Gradient, Jitter, Plan, Projection};
+use strahl_scene::plan::{
+    Classify, ClipShape, Composite, Compositing, Fetch, Gradient, GradientInput, GradientMethod,
+    Illuminate, Jitter, Plan, PlanLight, Projection, Reconstruct, Shade,
+};
 use surface::{Lighting, classify, illuminate, opacity_of_length};
 
 /// The picture of `plan`, row by row from the top: linear, premultiplied RGBA.
@@ -33,7 +36,51 @@ pub fn bounds(plan: &Plan, field: &dyn Field) -> Vec<Bounds> {
     pixels(plan, field, true)
 }
 
+/// Whether the truth has everything that `plan` asks for. What it does not have is compared between
+/// renderers, and function by function, only.
+pub fn covers(plan: &Plan) -> bool {
+    let lit_well = match plan.shade {
+        Shade::Unlit => true,
+        Shade::Lit {
+            illuminate,
+            keep_last_normal,
+            ..
+        } => matches!(illuminate, Illuminate::BlinnPhong { .. }) && !keep_last_normal,
+        Shade::GradientOpacity { .. } => false,
+    };
+    let projection = matches!(
+        plan.composite,
+        Composite::Mip | Composite::MinIp | Composite::Average
+    );
+    plan.objects.len() == 1
+        && plan.meshes.is_empty()
+        && plan.modules.is_empty()
+        && plan.fetch == Fetch::Stored
+        && plan.lattice.frames == 1
+        && matches!(plan.lattice.jitter, Jitter::Centre | Jitter::Hash(_))
+        && plan.reconstruct != Reconstruct::BSplineInterpolating
+        && plan.classify == Classify::Table
+        && plan.gradient
+            == (Gradient {
+                method: GradientMethod::Central,
+                input: GradientInput::Value,
+            })
+        && lit_well
+        && !(projection && plan.shade != Shade::Unlit)
+        && !matches!(
+            plan.composite,
+            Composite::Gmip { .. } | Composite::Mida { .. } | Composite::Debug(_)
+        )
+        && !(plan.lights.iter()).any(|light| matches!(light, PlanLight::Point { .. }))
+        && plan
+            .sample_clips
+            .iter()
+            .all(|clip| clip.shape == ClipShape::Box)
+        && plan.compositing == Compositing::Linear
+}
+
 fn pixels(plan: &Plan, field: &dyn Field, rounded: bool) -> Vec<Bounds> {
+    assert!(covers(plan), "the truth does not cover this plan");
     let mut pixels = Vec::new();
     for y in 0..plan.height {
         for x in 0..plan.width {
@@ -125,7 +172,7 @@ impl<'p> Line<'p> {
     fn new(plan: &'p Plan, field: &'p dyn Field, rounded: bool, x: u32, y: u32) -> Line<'p> {
         let (origin, direction) = ray(plan, x, y);
         let [t_entry, t_exit] = seen(plan, origin, direction);
-        let dims = plan.volume.grid.dims().map(|n| n as f64);
+        let dims = plan.objects[0].grid.dims().map(|n| n as f64);
         Line {
             plan,
             field,
@@ -148,8 +195,7 @@ impl<'p> Line<'p> {
     fn place(&self, s: f64) -> DVec3 {
         let t = self.t_entry + s * self.plan.lattice.step_mm;
         let world = self.origin + t * self.direction;
-        self.plan
-            .volume
+        self.plan.objects[0]
             .grid
             .voxel_from_world()
             .transform_point3(world)
@@ -201,7 +247,7 @@ impl<'p> Line<'p> {
 
     /// Whether the sample clips keep a place in voxel space.
     fn kept(&self, place: DVec3) -> Answer {
-        let grid = &self.plan.volume.grid;
+        let grid = &self.plan.objects[0].grid;
         let world = grid.world_from_voxel().transform_point3(place);
         let mut kept = Answer::Yes;
         for clip in &self.plan.sample_clips {
@@ -274,11 +320,13 @@ impl<'p> Line<'p> {
             Composite::MinIp => self.extreme(&samples, f64::min),
             Composite::Average => self.average(&samples),
             Composite::FirstHit { threshold } => self.first_hit(&samples, threshold),
+            Composite::BackToFront => self.emission_absorption(&samples, 0.0),
+            other => unreachable!("{other:?} is not covered"),
         }
     }
 
     fn emission_absorption(&self, samples: &[Sample], stop: f64) -> Bounds {
-        let table = &self.plan.classify;
+        let table = &self.plan.objects[0].table;
         let exponent = self.plan.lattice.step_mm / f64::from(table.reference_mm());
         let mut layers = Vec::new();
         // What still passes after each sample decides where the ray ends.
@@ -380,7 +428,7 @@ impl<'p> Line<'p> {
 
     /// A value of the ray as a pixel.
     fn classified(&self, value: Range) -> Bounds {
-        let surface = classify(&self.plan.classify, value, self.rounded);
+        let surface = classify(&self.plan.objects[0].table, value, self.rounded);
         self.background().under(surface.opacity, surface.colour)
     }
 
@@ -444,7 +492,7 @@ impl<'p> Line<'p> {
                 if value.exists == Answer::No {
                     return None;
                 }
-                let surface = classify(&self.plan.classify, value.range, self.rounded);
+                let surface = classify(&self.plan.objects[0].table, value.range, self.rounded);
                 let colour = self.light(place).colour(surface.colour);
                 Some(self.background().under(Range::exactly(1.0), colour))
             };
@@ -463,7 +511,6 @@ impl<'p> Line<'p> {
         if self.plan.shade == strahl_scene::plan::Shade::Unlit {
             return Lighting::UNLIT;
         }
-        let Gradient::Central = self.plan.gradient;
         let mut per_voxel = DVec3::ZERO;
         let mut doubt = DVec3::ZERO;
         let mut exists = Answer::Yes;
@@ -484,7 +531,7 @@ impl<'p> Line<'p> {
             return Lighting::UNLIT;
         }
         // The chain rule: world gradient = (voxel_from_world)ᵀ · voxel gradient.
-        let map = self.plan.volume.grid.voxel_from_world().matrix3;
+        let map = self.plan.objects[0].grid.voxel_from_world().matrix3;
         let axes = [map.x_axis, map.y_axis, map.z_axis];
         let gradient = DVec3::from_array(axes.map(|axis| axis.dot(per_voxel)));
         let doubt = DVec3::from_array(axes.map(|axis| {
@@ -530,7 +577,7 @@ fn refine(
 /// Where a ray enters and leaves what is drawn: the half-spaces of the extent's six faces and of the
 /// clip planes, one after the other, in world space (M. Cyrus and J. Beck, 1978).
 fn seen(plan: &Plan, origin: DVec3, direction: DVec3) -> [f64; 2] {
-    let grid = &plan.volume.grid;
+    let grid = &plan.objects[0].grid;
     let map = grid.voxel_from_world();
     let mut half_spaces: Vec<(DVec3, f64)> = Vec::new();
     for axis in 0..3 {

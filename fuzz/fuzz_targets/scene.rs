@@ -58,7 +58,7 @@ fn check(plan: &Plan) {
     };
     assert!(half > 0.0 && half.is_finite());
     assert!(plan.lattice.step_mm > 0.0 && plan.lattice.step_mm.is_finite());
-    let table = &plan.classify;
+    let table = &plan.objects[0].table;
     let [lo, hi] = table.domain();
     assert!(lo.is_finite() && hi.is_finite() && lo < hi);
     assert!(table.reference_mm() > 0.0 && table.reference_mm().is_finite());
@@ -71,6 +71,14 @@ fn check(plan: &Plan) {
         let radiance = match light {
             PlanLight::Directional { to_light, radiance } => {
                 assert!(near(to_light.length(), 1.0));
+                radiance
+            }
+            PlanLight::Point {
+                place_mm,
+                reach_mm,
+                radiance,
+            } => {
+                assert!(place_mm.is_finite() && *reach_mm > 0.0 && reach_mm.is_finite());
                 radiance
             }
             PlanLight::Head { radiance } => radiance,

@@ -2,7 +2,7 @@
 
 use super::range::Range;
 use glam::DVec3;
-use strahl_scene::plan::{Plan, PlanLight, Shade};
+use strahl_scene::plan::{Illuminate, Plan, PlanLight, Shade};
 use strahl_scene::transfer::TransferTable;
 
 /// Half an ulp of 1 in single precision.
@@ -105,10 +105,42 @@ impl Lighting {
     }
 }
 
+/// Blinn–Phong, the one model that the truth has.
+struct Parts {
+    ambient: f32,
+    diffuse: f32,
+    specular: f32,
+    shininess: f32,
+}
+
+impl Parts {
+    /// `None` if nothing is lit.
+    fn of(plan: &Plan) -> Option<Parts> {
+        match plan.shade {
+            Shade::Lit {
+                ambient,
+                illuminate:
+                    Illuminate::BlinnPhong {
+                        diffuse,
+                        specular,
+                        shininess,
+                    },
+                ..
+            } => Some(Parts {
+                ambient,
+                diffuse,
+                specular,
+                shininess,
+            }),
+            _ => None,
+        }
+    }
+}
+
 /// The light on a surface seen along `direction` whose gradient (world space, per mm) is `gradient`, give
 /// or take `doubt` in each component.
 pub fn illuminate(plan: &Plan, gradient: DVec3, doubt: DVec3, direction: DVec3) -> Lighting {
-    let Shade::BlinnPhong { shininess, .. } = plan.shade else {
+    let Some(Parts { shininess, .. }) = Parts::of(plan) else {
         return Lighting::UNLIT;
     };
     let lit = blinn_phong(plan, gradient, direction);
@@ -140,12 +172,12 @@ pub fn illuminate(plan: &Plan, gradient: DVec3, doubt: DVec3, direction: DVec3) 
 
 /// Whatever the normal is.
 fn any_normal(plan: &Plan) -> Lighting {
-    let Shade::BlinnPhong {
+    let Some(Parts {
         ambient,
         diffuse,
         specular,
         ..
-    } = plan.shade
+    }) = Parts::of(plan)
     else {
         return Lighting::UNLIT;
     };
@@ -154,7 +186,10 @@ fn any_normal(plan: &Plan) -> Lighting {
         highlight: [Range::exactly(0.0); 3],
     };
     for light in &plan.lights {
-        let (PlanLight::Directional { radiance, .. } | PlanLight::Head { radiance }) = light;
+        let radiance = match *light {
+            PlanLight::Directional { radiance, .. } | PlanLight::Head { radiance } => radiance,
+            PlanLight::Point { .. } => continue, // not covered
+        };
         for (c, radiance) in radiance.map(f64::from).into_iter().enumerate() {
             lighting.factor[c].hi += f64::from(diffuse) * radiance;
             lighting.highlight[c].hi += f64::from(specular) * radiance;
@@ -164,12 +199,12 @@ fn any_normal(plan: &Plan) -> Lighting {
 }
 
 fn blinn_phong(plan: &Plan, gradient: DVec3, direction: DVec3) -> Lighting {
-    let Shade::BlinnPhong {
+    let Some(Parts {
         ambient,
         diffuse,
         specular,
         shininess,
-    } = plan.shade
+    }) = Parts::of(plan)
     else {
         return Lighting::UNLIT;
     };
@@ -188,6 +223,7 @@ fn blinn_phong(plan: &Plan, gradient: DVec3, direction: DVec3) -> Lighting {
         let (to_light, radiance) = match *light {
             PlanLight::Directional { to_light, radiance } => (to_light, radiance),
             PlanLight::Head { radiance } => (view, radiance),
+            PlanLight::Point { .. } => continue, // not covered
         };
         let cosine = normal.dot(to_light).max(0.0);
         let half = (to_light + view).normalize_or_zero();

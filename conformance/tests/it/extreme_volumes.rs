@@ -1,9 +1,9 @@
 //! Volumes at the edge of what there is: each gives a picture, and the right one.
 
-use crate::simple::{centred, draw, grey, of_samples, parallel, plan, value_shown};
+use crate::simple::{self, centred, draw, grey, of_samples, parallel, plan, value_shown};
 use glam::{DMat3, DVec3};
 use strahl_conformance::renderers;
-use strahl_scene::plan::{Composite, Shade};
+use strahl_scene::plan::Composite;
 use strahl_scene::{Method, Scene, resolve};
 use strahl_volume::{Samples, Volume};
 
@@ -122,12 +122,7 @@ fn a_flat_volume_is_lit_as_if_unlit() {
     let volume = of_samples(centred([4; 3], DMat3::IDENTITY), Samples::U8(vec![9; 64]));
     let mut flat = plan(&volume, parallel(DVec3::Y, 9.0, 1.0), grey(0.0, 18.0));
     let unlit = draw(&volume, &flat);
-    flat.shade = Shade::BlinnPhong {
-        ambient: 0.1,
-        diffuse: 0.5,
-        specular: 0.9,
-        shininess: 3.0,
-    };
+    flat.shade = simple::blinn_phong(0.1, 0.5, 0.9, 3.0);
     assert_eq!(unlit, draw(&volume, &flat));
     assert_eq!(unlit.len(), renderers().len() * 48);
 }

@@ -10,3 +10,4 @@ mod same_bytes;
 mod simple;
 mod transmittance;
 mod values;
+mod variants;

@@ -13,7 +13,7 @@ use strahl_volume::{Grid, Metadata, Volume};
 fn moved(plan: &Plan, grid: &Grid, moved: DMat3, length: f64) -> Plan {
     let direction = |v: DVec3| moved * v / length;
     let mut plan = plan.clone();
-    plan.volume.grid = *grid;
+    plan.objects[0].grid = *grid;
     let camera = &mut plan.camera;
     camera.eye_mm = moved * camera.eye_mm;
     camera.right = direction(camera.right);
@@ -35,9 +35,10 @@ fn moved(plan: &Plan, grid: &Grid, moved: DMat3, length: f64) -> Plan {
         clip.unit_from_world *= DAffine3::from_mat3(moved.inverse());
     }
     plan.lattice.step_mm *= length;
-    let table = &plan.classify;
+    let table = &plan.objects[0].table;
     let reference_mm = (f64::from(table.reference_mm()) * length) as f32;
-    plan.classify = TransferTable::new(table.domain(), reference_mm, table.entries().to_vec());
+    plan.objects[0].table =
+        TransferTable::new(table.domain(), reference_mm, table.entries().to_vec());
     plan
 }
 
@@ -104,12 +105,7 @@ fn a_mirrored_volume_gives_a_mirrored_picture() {
     let table = TransferTable::new([-1.0, 2.0], 2.0, entries);
     let mut plan = simple::plan(&volume, simple::parallel(-DVec3::Y, 20.0, 4.0), table);
     plan.camera = simple::from_eye(plan.camera, 0.25);
-    plan.shade = Shade::BlinnPhong {
-        ambient: 0.2,
-        diffuse: 0.7,
-        specular: 0.3,
-        shininess: 8.0,
-    };
+    plan.shade = simple::blinn_phong(0.2, 0.7, 0.3, 8.0);
     plan.lights = vec![PlanLight::Head { radiance: [1.0; 3] }];
     for composite in [
         plan.composite,

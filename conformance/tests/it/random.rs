@@ -3,6 +3,7 @@
 //! From a fixed list of seeds, so that every run of the suite tests the same; with
 //! `STRAHL_CONFORMANCE_CASES=20000` it looks further.
 
+use crate::simple;
 use glam::{DAffine3, DMat3, DQuat, DVec3, EulerRot, Vec3Swizzles};
 use strahl_scene::plan::*;
 use strahl_scene::transfer::TransferTable;
@@ -270,12 +271,12 @@ impl Random {
         );
         let lit = surface && !self.once_in(3);
         let shade = if lit {
-            Shade::BlinnPhong {
-                ambient: self.unit() as f32,
-                diffuse: self.unit() as f32,
-                specular: self.pick(&[0.0, 0.4]),
-                shininess: self.pick(&[1.0, 10.0, 60.0]),
-            }
+            simple::blinn_phong(
+                self.unit() as f32,
+                self.unit() as f32,
+                self.pick(&[0.0, 0.4]),
+                self.pick(&[1.0, 10.0, 60.0]),
+            )
         } else {
             Shade::Unlit
         };
@@ -288,10 +289,7 @@ impl Random {
             for _ in 0..1 + self.below(2) {
                 let normal = self.direction();
                 let through = grid.centre_mm() + self.vector() * 0.3 * size_mm;
-                ray_clips.push(ClipPlane {
-                    normal,
-                    offset_mm: -normal.dot(through),
-                });
+                ray_clips.push(simple::plane(normal, -normal.dot(through)));
             }
         }
         if self.once_in(5) {
@@ -299,46 +297,45 @@ impl Random {
                 let edges = DVec3::from_array(std::array::from_fn(|_| self.between(0.2, 0.6)));
                 let axes = self.rotation() * DMat3::from_diagonal(edges * size_mm);
                 let centre = grid.centre_mm() + self.vector() * 0.2 * size_mm;
-                sample_clips.push(ClipBox {
-                    unit_from_world: DAffine3::from_mat3_translation(axes, centre).inverse(),
-                    keep_inside: self.once_in(2),
-                });
+                sample_clips.push(simple::cut_box(
+                    DAffine3::from_mat3_translation(axes, centre).inverse(),
+                    self.once_in(2),
+                ));
             }
         }
         let step_mm = grid.min_spacing_mm() * self.pick(&[0.3, 0.6, 1.0, 1.7, 4.0]);
         let reference_mm = step_mm * self.pick(&[0.2, 1.0, 2.0, 10.0]);
+        let camera = self.camera(&grid);
+        let jitter = match self.below(2) {
+            0 => Jitter::Centre,
+            _ => Jitter::Hash(self.below(1 << 32) as u32),
+        };
+        let reconstruct = self.pick(&[
+            Reconstruct::Trilinear,
+            Reconstruct::Trilinear,
+            Reconstruct::Trilinear,
+            Reconstruct::Nearest,
+            Reconstruct::BSpline,
+            Reconstruct::CatmullRom,
+        ]);
+        let table = self.table(range, reference_mm);
+        let background = self.pick(&[[0.0; 4], [0.1, 0.2, 0.3, 1.0], [0.05, 0.0, 0.1, 0.5]]);
         Plan {
             width: size[0],
             height: size[1],
-            camera: self.camera(&grid),
-            volume: PlanVolume {
-                grid,
-                rescale: volume.rescale(),
-            },
             lattice: Lattice {
                 step_mm,
-                jitter: match self.below(2) {
-                    0 => Jitter::Centre,
-                    _ => Jitter::Hash(self.below(1 << 32) as u32),
-                },
+                jitter,
+                frames: 1,
             },
-            reconstruct: self.pick(&[
-                Reconstruct::Trilinear,
-                Reconstruct::Trilinear,
-                Reconstruct::Nearest,
-            ]),
-            classify: self.table(range, reference_mm),
-            gradient: Gradient::Central,
+            reconstruct,
             shade,
             lights,
             composite,
             ray_clips,
             sample_clips,
-            background: self.pick(&[[0.0; 4], [0.1, 0.2, 0.3, 1.0], [0.05, 0.0, 0.1, 0.5]]),
-            display: Display {
-                exposure: 1.0,
-                tone_map: ToneMap::Clamp,
-            },
+            background,
+            ..simple::plan(volume, camera, table)
         }
     }
 }

@@ -97,22 +97,31 @@ pub fn from_eye(camera: PlanCamera, tan_half_height: f64) -> PlanCamera {
 }
 
 /// Emission–absorption of `volume`, unlit, no early end, half a voxel per step, transparent background.
-pub fn plan(volume: &Volume, camera: PlanCamera, classify: TransferTable) -> Plan {
+pub fn plan(volume: &Volume, camera: PlanCamera, table: TransferTable) -> Plan {
     Plan {
         width: 8,
         height: 6,
         camera,
-        volume: PlanVolume {
+        objects: vec![PlanObject {
+            volume: 0,
             grid: *volume.grid(),
+            is_moved: false,
             rescale: volume.rescale(),
-        },
+            table,
+        }],
+        meshes: Vec::new(),
         lattice: Lattice {
             step_mm: 0.5 * volume.grid().min_spacing_mm(),
             jitter: Jitter::Centre,
+            frames: 1,
         },
+        fetch: Fetch::Stored,
         reconstruct: Reconstruct::Trilinear,
-        classify,
-        gradient: Gradient::Central,
+        classify: Classify::Table,
+        gradient: Gradient {
+            method: GradientMethod::Central,
+            input: GradientInput::Value,
+        },
         shade: Shade::Unlit,
         lights: Vec::new(),
         composite: Composite::EmissionAbsorption {
@@ -120,11 +129,46 @@ pub fn plan(volume: &Volume, camera: PlanCamera, classify: TransferTable) -> Pla
         },
         ray_clips: Vec::new(),
         sample_clips: Vec::new(),
+        modules: Vec::new(),
         background: [0.0; 4],
+        compositing: Compositing::Linear,
+        with_depth: false,
         display: Display {
             exposure: 1.0,
             tone_map: ToneMap::Clamp,
         },
+    }
+}
+
+/// Light and surface.
+pub fn blinn_phong(ambient: f32, diffuse: f32, specular: f32, shininess: f32) -> Shade {
+    Shade::Lit {
+        ambient,
+        illuminate: Illuminate::BlinnPhong {
+            diffuse,
+            specular,
+            shininess,
+        },
+        keep_last_normal: false,
+    }
+}
+
+/// Keeps normal·p + offset_mm ≥ 0 of every object.
+pub fn plane(normal: DVec3, offset_mm: f64) -> ClipPlane {
+    ClipPlane {
+        normal,
+        offset_mm,
+        objects: ALL_OBJECTS,
+    }
+}
+
+/// Keeps the inside or the outside of a box of every object.
+pub fn cut_box(unit_from_world: DAffine3, keep_inside: bool) -> SampleClip {
+    SampleClip {
+        shape: ClipShape::Box,
+        unit_from_world,
+        keep_inside,
+        objects: ALL_OBJECTS,
     }
 }
 
@@ -133,14 +177,8 @@ pub fn one_sample_at(plan: &mut Plan, distance_mm: f64) {
     let forward = plan.camera.forward;
     let half = 0.5 * plan.lattice.step_mm;
     plan.ray_clips = vec![
-        ClipPlane {
-            normal: forward,
-            offset_mm: half - distance_mm,
-        },
-        ClipPlane {
-            normal: -forward,
-            offset_mm: half + distance_mm,
-        },
+        plane(forward, half - distance_mm),
+        plane(-forward, half + distance_mm),
     ];
 }
 

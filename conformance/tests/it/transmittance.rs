@@ -3,7 +3,7 @@
 use crate::simple::{self, centred, draw, from_eye, grids, parallel, plan, white};
 use glam::{DMat3, DVec3};
 use strahl_conformance::{closed_form, renderers, truth};
-use strahl_scene::plan::{ClipBox, ClipPlane, Plan};
+use strahl_scene::plan::Plan;
 use strahl_scene::transfer::TransferTable;
 use strahl_volume::Volume;
 
@@ -11,7 +11,7 @@ const TOLERANCE: f64 = 1e-4;
 
 /// Every pixel lets through what `length_mm` of its ray says.
 fn check(volume: &Volume, plan: &Plan, opacity: f64, length_mm: impl Fn(DVec3, DVec3) -> f64) {
-    let reference_mm = f64::from(plan.classify.reference_mm());
+    let reference_mm = f64::from(plan.objects[0].table.reference_mm());
     let opacity = f64::from(opacity as f32);
     for (name, x, y, pixel) in draw(volume, plan) {
         let (origin, direction) = truth::ray(plan, x, y);
@@ -117,7 +117,7 @@ fn planes_and_boxes_cut_what_they_say() {
         let normal = DVec3::new(0.1, 0.9, 0.2).normalize();
         let mut layer = plan(&slab, camera, table());
         layer.lattice.step_mm = step_mm;
-        let plane = |normal: DVec3, offset_mm: f64| ClipPlane { normal, offset_mm };
+        let plane = |normal: DVec3, offset_mm: f64| simple::plane(normal, offset_mm);
         layer.ray_clips = vec![plane(normal, 0.5), plane(-normal, 0.4)];
         (layer.width, layer.height) = (3, 3);
         layer.camera = parallel(DVec3::new(-0.3, 0.8, 0.5), 2.0 * diagonal, 0.5);
@@ -132,10 +132,7 @@ fn planes_and_boxes_cut_what_they_say() {
         for keep_inside in [true, false] {
             let mut plan = plan(&slab, camera, table());
             plan.lattice.step_mm = step_mm;
-            plan.sample_clips = vec![ClipBox {
-                unit_from_world: cut.voxel_from_world(),
-                keep_inside,
-            }];
+            plan.sample_clips = vec![simple::cut_box(cut.voxel_from_world(), keep_inside)];
             check(&slab, &plan, 0.5, |origin, direction| {
                 let inside = of_box(origin, direction);
                 if keep_inside {
@@ -159,10 +156,7 @@ fn halving_the_step_quarters_the_error() {
     let table = TransferTable::new([0.0, 1.0], 4.0, entries);
     let mut plan = plan(&ramp, parallel(DVec3::Y, 20.0, 4.0), table);
     plan.ray_clips = [DVec3::Y, -DVec3::Y]
-        .map(|normal| ClipPlane {
-            normal,
-            offset_mm: 8.0,
-        })
+        .map(|normal| simple::plane(normal, 8.0))
         .to_vec();
     (plan.width, plan.height) = (2, 2);
     let exactly_passes = closed_form::transmittance_of_ramp(opaque, 4.0, 16.0);

@@ -3,7 +3,7 @@
 use crate::simple::{self, centred, draw, grey, grids, one_sample_at, parallel, plan, value_shown};
 use glam::{DMat3, DVec3};
 use strahl_conformance::{closed_form, truth};
-use strahl_scene::plan::{ClipBox, Composite, Plan, PlanLight, Reconstruct, Shade};
+use strahl_scene::plan::{Composite, Plan, PlanLight, Reconstruct};
 use strahl_scene::transfer::TransferTable;
 use strahl_volume::phantom::Phantom;
 use strahl_volume::{Samples, Volume};
@@ -23,7 +23,7 @@ fn worst_value(
     hi: f64,
     exact: impl Fn(DVec3) -> f64,
 ) -> f64 {
-    plan.classify = grey(lo, hi);
+    plan.objects[0].table = grey(lo, hi);
     plan.composite = Composite::Average;
     one_sample_at(&mut plan, 0.3);
     let mut worst: f64 = 0.0;
@@ -43,12 +43,7 @@ fn worst_normal(
     at: impl Fn(&Plan, u32, u32) -> DVec3,
     gradient: impl Fn(DVec3) -> DVec3,
 ) -> f64 {
-    plan.shade = Shade::BlinnPhong {
-        ambient: 0.0,
-        diffuse: 1.0,
-        specular: 0.0,
-        shininess: 1.0,
-    };
+    plan.shade = simple::blinn_phong(0.0, 1.0, 0.0, 1.0);
     let lights = |sign: f64| {
         let light = |axis: usize| {
             let mut radiance = [0.0; 3];
@@ -195,10 +190,7 @@ fn projections_of_analytic_fields_are_what_they_must_be() {
     plan.composite = Composite::Average;
     plan.lattice.step_mm = 1.0 / 16.0;
     let box_of = centred([1; 3], DMat3::from_diagonal(DVec3::new(60.0, 19.0, 60.0)));
-    plan.sample_clips = vec![ClipBox {
-        unit_from_world: box_of.voxel_from_world(),
-        keep_inside: true,
-    }];
+    plan.sample_clips = vec![simple::cut_box(box_of.voxel_from_world(), true)];
     for (name, _, _, pixel) in draw(&square, &plan) {
         let expected = 9.5f64 * 9.5 / 3.0 + 1.0 / 6.0;
         let found = value_shown(pixel, 0.0, 100.0);
@@ -244,7 +236,7 @@ fn the_first_hit_lies_on_the_isosurface_whatever_the_step() {
 fn a_ray_that_starts_inside_hits_where_it_starts() {
     let (depth, mut plan) = sphere_hits(parallel(DVec3::Y, 0.0, 1.0));
     plan.camera = simple::from_eye(parallel(DVec3::Y, 5.0, 1.0), 0.4);
-    plan.classify = grey(0.0, 14.0);
+    plan.objects[0].table = grey(0.0, 14.0);
     for (name, _, _, pixel) in draw(&depth, &plan) {
         let found = value_shown(pixel, 0.0, 14.0);
         assert!((found - 9.0).abs() < 0.02, "{name}: {found}");
@@ -254,12 +246,9 @@ fn a_ray_that_starts_inside_hits_where_it_starts() {
 #[test]
 fn a_hit_on_the_face_of_a_box_shows_the_value_there() {
     let (depth, mut plan) = sphere_hits(parallel(DVec3::Y, 40.0, 5.0));
-    plan.classify = grey(0.0, 14.0);
+    plan.objects[0].table = grey(0.0, 14.0);
     let half = centred([1; 3], DMat3::from_diagonal(DVec3::new(100.0, 4.0, 100.0)));
-    plan.sample_clips = vec![ClipBox {
-        unit_from_world: half.voxel_from_world(),
-        keep_inside: true,
-    }];
+    plan.sample_clips = vec![simple::cut_box(half.voxel_from_world(), true)];
     for (name, x, y, pixel) in draw(&depth, &plan) {
         let (origin, _) = truth::ray(&plan, x, y);
         let expected = 14.0 - DVec3::new(origin.x, -2.0, origin.z).length();

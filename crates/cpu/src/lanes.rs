@@ -87,6 +87,12 @@ impl F32s {
         F32s(lanes(|i| self.0[i].sqrt()))
     }
 
+    /// The largest whole number that is not larger.
+    #[inline(always)]
+    pub fn floor(self) -> F32s {
+        F32s(lanes(|i| self.0[i].floor()))
+    }
+
     /// Towards zero, saturating; NaN gives 0.
     #[inline(always)]
     pub fn to_i32s(self) -> I32s {
@@ -141,6 +147,12 @@ impl I32s {
     #[inline(always)]
     pub fn min(self, other: i32) -> I32s {
         I32s(lanes(|i| self.0[i].min(other)))
+    }
+
+    /// The larger number.
+    #[inline(always)]
+    pub fn max(self, other: i32) -> I32s {
+        I32s(lanes(|i| self.0[i].max(other)))
     }
 }
 
@@ -246,6 +258,34 @@ pub fn dot(a: Vec3s, b: Vec3s) -> F32s {
 #[inline(always)]
 pub fn scale(a: Vec3s, s: F32s) -> Vec3s {
     [a[0] * s, a[1] * s, a[2] * s]
+}
+
+/// `v` scaled to unit length, and where it has a direction. Divided by its largest component first:
+/// the square of a small gradient would underflow.
+#[inline(always)]
+pub fn unit(v: Vec3s) -> (Vec3s, Mask) {
+    let largest = v[0].abs().max(v[1].abs()).max(v[2].abs());
+    // NaN anywhere makes the sum NaN, which compares with nothing.
+    let sum = v[0].abs() + v[1].abs() + v[2].abs();
+    let usable = F32s::ZERO.lt(largest) & sum.lt(F32s::splat(f32::INFINITY));
+    let divisor = usable.select(largest, F32s::splat(1.0));
+    let v = v.map(|c| usable.select(c, F32s::ZERO).over(divisor));
+    let length = usable.select(dot(v, v).sqrt(), F32s::splat(1.0));
+    (v.map(|c| c.over(length)), usable)
+}
+
+/// The length of `v`, 0 where it is not finite.
+#[inline(always)]
+pub fn length(v: Vec3s) -> F32s {
+    let largest = v[0].abs().max(v[1].abs()).max(v[2].abs());
+    let (direction, usable) = unit(v);
+    // v = length · direction: the component that is largest divides safely.
+    let steepest = direction[0]
+        .abs()
+        .max(direction[1].abs())
+        .max(direction[2].abs());
+    let length = largest.over(usable.select(steepest, F32s::splat(1.0)));
+    usable.select(length, F32s::ZERO)
 }
 
 /// The same vector in every lane.

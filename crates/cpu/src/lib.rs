@@ -28,17 +28,26 @@ mod elementary;
 mod lanes;
 mod library;
 mod march;
+mod meshes;
 mod ray;
+mod scenery;
 mod skip;
 mod tiles;
 
-use library::fetch::Linear;
-use march::{Counts, Slots};
+use library::fetch::{MarschnerLobb, Noise, Shape};
+use library::jitter::Jitters;
+use library::reconstruct::{Values, of_fetch, values};
+use library::shade::Shading;
+use march::Counts;
+use meshes::Meshes;
+use scenery::{Object, Scenery};
 use skip::Skip;
 use std::ops::ControlFlow;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
-use strahl_scene::{Image, plan::Plan};
-use strahl_volume::{Volume, bricks::Bricks, with_samples};
+use strahl_scene::Image;
+use strahl_scene::plan::{ClipShape, Fetch, Plan, PlanObject, Reconstruct};
+use strahl_volume::{Datasets, Rescale, Volume, bricks::Bricks};
 
 /// Called after every tile, from any thread, with the number of tiles drawn and of all tiles;
 /// `Break` ends the picture with [`Error::Cancelled`].
@@ -49,11 +58,21 @@ pub fn no_progress(_drawn: usize, _total: usize) -> ControlFlow<()> {
     ControlFlow::Continue(())
 }
 
-/// Draws Plans of one volume.
+/// Draws Plans of the same data.
 pub struct Renderer<'v> {
-    volume: &'v Volume,
-    bricks: Bricks,
+    data: Datasets<'v>,
+    /// Of each volume.
+    bricks: Vec<Bricks>,
     bricks_seconds: f64,
+    /// Of the volume with this number: made when a Plan first asks for it.
+    coefficients: Mutex<Vec<Option<Arc<Coefficients>>>>,
+    meshes: Meshes,
+}
+
+/// What an interpolating B-spline reads in place of the voxels.
+struct Coefficients {
+    volume: Volume,
+    bricks: Bricks,
 }
 
 /// What does not change a picture.
@@ -82,6 +101,9 @@ impl Default for Options {
 pub struct Rendered {
     /// The picture.
     pub image: Image,
+    /// Distance of the first hit or of opaque geometry from the start of each ray in mm, row by row,
+    /// infinite without; `None` if the Plan does not ask.
+    pub depth_mm: Option<Vec<f32>>,
     /// What it has cost.
     pub stats: Stats,
 }
@@ -134,6 +156,31 @@ pub enum Error {
         /// Dimensions of the volume.
         volume: [usize; 3],
     },
+    /// The Plan counts more data than was handed over.
+    #[error(
+        "the plan needs {what} number {index}, of which {there} were handed to the renderer; hand over the data that the plan was resolved for"
+    )]
+    NoData {
+        /// `volume`, `mask` or `mesh`.
+        what: &'static str,
+        /// Which one, from 0.
+        index: usize,
+        /// How many there are.
+        there: usize,
+    },
+    /// A shader function without a twin for the processor.
+    #[error(
+        "the function {function} for the slot {slot} runs on graphics processors only; draw with --backend gpu, or leave it out"
+    )]
+    NoTwin {
+        /// Name of the function.
+        function: String,
+        /// Its slot.
+        slot: &'static str,
+    },
+    /// The coefficients of an interpolating B-spline cannot be made.
+    #[error(transparent)]
+    Coefficients(#[from] strahl_volume::Error),
     /// The step is too short for the length of the rays.
     #[error(
         "a step of {step_mm} mm gives up to {points:.0} samples on a ray; at most 16777216 are possible, take a step of at least {least_mm} mm"
@@ -160,22 +207,29 @@ pub enum Error {
 }
 
 impl<'v> Renderer<'v> {
-    /// Prepares `volume`, on all cores.
-    pub fn new(volume: &'v Volume) -> Renderer<'v> {
+    /// Prepares `data`, one volume or more, on all cores.
+    pub fn new(data: impl Into<Datasets<'v>>) -> Renderer<'v> {
         let start = Instant::now();
-        let bricks = Bricks::new(volume);
+        let data = data.into();
         Renderer {
-            volume,
-            bricks,
+            bricks: data
+                .volumes
+                .iter()
+                .map(|volume| Bricks::new(volume))
+                .collect(),
             bricks_seconds: start.elapsed().as_secs_f64(),
+            coefficients: Mutex::new(vec![None; data.volumes.len()]),
+            meshes: Meshes::new(&data.meshes),
+            data,
         }
     }
 
     /// Draws `plan`.
     ///
     /// # Errors
-    /// If the Plan belongs to another grid, its step is too short for f32 to count the samples of a
-    /// ray, an option is not allowed, threads cannot be started, or `progress` says stop.
+    /// If the Plan belongs to other data or names a function that the processor does not have, its step
+    /// is too short for f32 to count the samples of a ray, an option is not allowed, threads cannot be
+    /// started, or `progress` says stop.
     pub fn render(
         &self,
         plan: &Plan,
@@ -197,10 +251,34 @@ impl<'v> Renderer<'v> {
     }
 
     fn check(&self, plan: &Plan, options: &Options) -> Result<(), Error> {
-        if plan.volume.grid != *self.volume.grid() {
-            return Err(Error::OtherGrid {
-                plan: plan.volume.grid.dims(),
-                volume: self.volume.grid().dims(),
+        let there = |what, index: usize, there: usize| {
+            (index < there)
+                .then_some(())
+                .ok_or(Error::NoData { what, index, there })
+        };
+        for object in &plan.objects {
+            there("volume", object.volume, self.data.volumes.len())?;
+            let own = self.data.volumes[object.volume].grid();
+            // An object may be placed elsewhere, but has the voxels of its volume.
+            if object.grid.dims() != own.dims() || !self.has_place(object) {
+                return Err(Error::OtherGrid {
+                    plan: object.grid.dims(),
+                    volume: own.dims(),
+                });
+            }
+        }
+        for clip in &plan.sample_clips {
+            if let ClipShape::Mask { mask, .. } = clip.shape {
+                there("mask", mask, self.data.masks.len())?;
+            }
+        }
+        for mesh in &plan.meshes {
+            there("mesh", mesh.mesh, self.data.meshes.len())?;
+        }
+        if let Some(module) = plan.modules.first() {
+            return Err(Error::NoTwin {
+                function: module.module.name().to_owned(),
+                slot: module.module.slot().name,
             });
         }
         let points = ray::most_points(plan);
@@ -218,18 +296,122 @@ impl<'v> Renderer<'v> {
         Ok(())
     }
 
+    /// Whether an object lies where its volume does; a Plan of one volume that lies elsewhere is that of
+    /// another one, unless its scene moves it.
+    fn has_place(&self, object: &PlanObject) -> bool {
+        let own = self.data.volumes[object.volume].grid();
+        object.is_moved || object.grid == *own
+    }
+
+    /// The coefficients that `plan` reads for an object, if it reads any.
+    fn coefficients_for(
+        &self,
+        plan: &Plan,
+        object: &PlanObject,
+    ) -> Result<Option<Arc<Coefficients>>, Error> {
+        if plan.reconstruct != Reconstruct::BSplineInterpolating || plan.fetch != Fetch::Stored {
+            return Ok(None);
+        }
+        let mut known = self
+            .coefficients
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
+        let of_volume = &mut known[object.volume];
+        if of_volume.is_none() {
+            let volume = self.data.volumes[object.volume].b_spline_coefficients()?;
+            let bricks = Bricks::new(&volume);
+            *of_volume = Some(Arc::new(Coefficients { volume, bricks }));
+        }
+        Ok(of_volume.clone())
+    }
+
+    /// The values of an object: slots fetch and reconstruct.
+    fn values<'a>(
+        &'a self,
+        plan: &Plan,
+        object: &PlanObject,
+        coefficients: Option<&'a Coefficients>,
+    ) -> Box<dyn Values + 'a> {
+        let shape = Shape::new(&object.grid);
+        match (plan.fetch, coefficients) {
+            (Fetch::MarschnerLobb { frequency, alpha }, _) => {
+                let fetch = MarschnerLobb {
+                    shape,
+                    frequency,
+                    alpha,
+                };
+                of_fetch(fetch, Rescale::IDENTITY, plan.reconstruct)
+            }
+            (
+                Fetch::Noise {
+                    cell_voxels,
+                    octaves,
+                    seed,
+                },
+                _,
+            ) => {
+                let fetch = Noise {
+                    shape,
+                    cell_voxels,
+                    octaves,
+                    seed,
+                };
+                of_fetch(fetch, Rescale::IDENTITY, plan.reconstruct)
+            }
+            (Fetch::Stored, Some(Coefficients { volume, .. })) => {
+                let samples = volume.samples();
+                values(&object.grid, samples, volume.rescale(), plan.reconstruct)
+            }
+            (Fetch::Stored, None) => {
+                let samples = self.data.volumes[object.volume].samples();
+                values(&object.grid, samples, object.rescale, plan.reconstruct)
+            }
+        }
+    }
+
     fn draw(&self, plan: &Plan, options: &Options, progress: Progress) -> Result<Rendered, Error> {
         let start = Instant::now();
-        let skip = options
-            .skip
-            .then(|| Skip::new(&self.bricks, plan))
-            .flatten();
-        let slots = Slots::new(plan, skip);
+        let coefficients = plan
+            .objects
+            .iter()
+            .map(|object| self.coefficients_for(plan, object))
+            .collect::<Result<Vec<_>, Error>>()?;
+        let sources: Vec<_> = plan
+            .objects
+            .iter()
+            .zip(&coefficients)
+            .map(|(object, coefficients)| self.values(plan, object, coefficients.as_deref()))
+            .collect();
+        let masks: Vec<Box<dyn Values + '_>> = self
+            .data
+            .masks
+            .iter()
+            .map(|mask| {
+                let trilinear = Reconstruct::Trilinear;
+                values(mask.grid(), mask.samples(), mask.rescale(), trilinear)
+            })
+            .collect();
+        let object = |index: usize| {
+            let bricks = match coefficients[index].as_deref() {
+                Some(coefficients) => &coefficients.bricks,
+                None => &self.bricks[plan.objects[index].volume],
+            };
+            let skip = options
+                .skip
+                .then(|| Skip::new(bricks, plan, index))
+                .flatten();
+            Object::new(plan, index, &*sources[index], &masks, skip)
+        };
+        let scenery = Scenery {
+            plan,
+            objects: (0..plan.objects.len()).map(object).collect(),
+            shading: Shading::new(plan),
+            jitters: Jitters::new(plan),
+            meshes: &self.meshes,
+        };
         let prepared = Instant::now();
-        let (image, counts) = with_samples!(self.volume.samples(), samples => {
-            let fetch = Linear::new(self.volume.grid(), samples);
-            tiles::draw(plan, &slots, &fetch, options.tile, progress)?
-        });
+        let drawn = tiles::draw(&scenery, options.tile, progress)?;
+        let counts = drawn.counts;
         let stats = Stats {
             rays: u64::from(plan.width) * u64::from(plan.height),
             rays_in_volume: counts.rays_in_volume,
@@ -244,7 +426,12 @@ impl<'v> Renderer<'v> {
             prepare_seconds: (prepared - start).as_secs_f64(),
             draw_seconds: prepared.elapsed().as_secs_f64(),
         };
-        Ok(Rendered { image, stats })
+        let image = Image::from_pixels(plan.width, plan.height, drawn.pixels);
+        Ok(Rendered {
+            image: image.into_linear(plan.compositing),
+            depth_mm: plan.with_depth.then_some(drawn.depth_mm),
+            stats,
+        })
     }
 }
 

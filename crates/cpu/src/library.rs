@@ -11,5 +11,6 @@ pub mod fetch;
 pub mod gradient;
 pub mod illuminate;
 pub mod jitter;
+pub mod light;
 pub mod reconstruct;
 pub mod shade;

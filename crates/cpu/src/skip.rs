@@ -6,10 +6,10 @@
 use crate::lanes::{F32s, I32s, Vec3s, lanes};
 use crate::library::composite::State;
 use crate::library::fetch::Shape;
-use crate::ray::RayPacket;
-use strahl_scene::plan::{Composite, Plan};
-use strahl_scene::transfer::TransferTable;
-use strahl_volume::bricks::{BrickRange, Bricks};
+use crate::ray::Line;
+use strahl_scene::plan::Plan;
+use strahl_scene::visibility::Contribution;
+use strahl_volume::bricks::Bricks;
 
 /// What is known of the bricks of a volume under a Plan.
 pub struct Skip {
@@ -35,41 +35,19 @@ enum Knowledge {
 const NEVER: f32 = 1e9;
 
 impl Skip {
-    /// What can be left out of `plan`; `None` if its rule needs every sample.
-    pub fn new(bricks: &Bricks, plan: &Plan) -> Option<Skip> {
+    /// What can be left out of object number `object`; `None` if the rule needs every sample.
+    pub fn new(bricks: &Bricks, plan: &Plan, object: usize) -> Option<Skip> {
         let dims = bricks.dims().map(|n| n as i32);
-        let values = |range: &BrickRange| values(range, plan);
-        let bricks = match plan.composite {
-            Composite::EmissionAbsorption { .. } => {
-                let opacity = Visibility::new(&plan.classify);
-                Knowledge::Radius(radii(bricks, |range| {
-                    let (lo, hi) = values(range);
-                    !range.is_empty() && opacity.any(lo, hi)
-                }))
-            }
-            Composite::FirstHit { threshold } => Knowledge::Radius(radii(bricks, |range| {
-                !range.is_empty() && values(range).1 >= threshold as f32
-            })),
-            Composite::Mip => Knowledge::Largest(
-                bricks
-                    .ranges()
-                    .iter()
-                    .map(|range| values(range).1)
-                    .collect(),
-            ),
-            Composite::MinIp => Knowledge::Smallest(
-                bricks
-                    .ranges()
-                    .iter()
-                    .map(|range| values(range).0)
-                    .collect(),
-            ),
-            Composite::Average => return None,
+        let bricks = match Contribution::of(plan, object, bricks) {
+            Contribution::Every => return None,
+            Contribution::Visible(visible) => Knowledge::Radius(radii(dims, &visible)),
+            Contribution::Largest(values) => Knowledge::Largest(values),
+            Contribution::Smallest(values) => Knowledge::Smallest(values),
         };
-        let margin = plan.volume.grid.dims().map(|n| n as f32 / (1 << 20) as f32);
+        let voxels = plan.objects[object].grid.dims();
         Some(Skip {
             dims,
-            margin,
+            margin: voxels.map(|n| n as f32 / (1 << 20) as f32),
             bricks,
         })
     }
@@ -77,7 +55,7 @@ impl Skip {
     /// How many lattice points, this one at `position` included, show nothing for certain; 0 where
     /// this one has to be looked at.
     #[inline(always)]
-    pub fn jump(&self, shape: &Shape, rays: &RayPacket, position: Vec3s, state: &State) -> F32s {
+    pub fn jump(&self, shape: &Shape, line: &Line, position: Vec3s, state: &State) -> F32s {
         let cell = shape.cell(shape.clamp(position));
         let brick = cell.map(|c| I32s(c.0.map(|c| c >> BRICK_SHIFT)));
         let index: [usize; _] = lanes(|i| {
@@ -103,7 +81,7 @@ impl Skip {
         }
         let mut points = F32s::splat(NEVER);
         for axis in 0..3 {
-            points = points.min(self.points_inside(rays, position, brick, radius, axis));
+            points = points.min(self.points_inside(line, position, brick, radius, axis));
         }
         let points = points.max(F32s::ZERO).to_i32s().to_f32s() + F32s::splat(1.0);
         empty.select(points, F32s::ZERO)
@@ -113,13 +91,13 @@ impl Skip {
     #[inline(always)]
     fn points_inside(
         &self,
-        rays: &RayPacket,
+        line: &Line,
         position: Vec3s,
         brick: [I32s; 3],
         radius: I32s,
         axis: usize,
     ) -> F32s {
-        let inverse = rays.inverse_step[axis];
+        let inverse = line.inverse_step[axis];
         let ahead = brick[axis] + radius;
         let behind = brick[axis] - radius + I32s([1; _]);
         let edge = F32s::splat(Bricks::EDGE as f32);
@@ -140,68 +118,12 @@ impl Skip {
 
 const BRICK_SHIFT: u32 = Bricks::EDGE.trailing_zeros();
 
-/// Bounds of the values that reconstruction can give inside a brick: its range, rescaled, and
-/// widened by more than interpolation and rescaling can round (some 20 operations of 2⁻²⁴ each).
-fn values(range: &BrickRange, plan: &Plan) -> (f32, f32) {
-    let rescale = plan.volume.rescale;
-    let (a, b) = (
-        rescale.value(f64::from(range.lo)),
-        rescale.value(f64::from(range.hi)),
-    );
-    let largest = f64::from(range.lo.abs().max(range.hi.abs()));
-    let size = rescale.slope.abs() * largest + rescale.intercept.abs();
-    // Differences of such numbers overflow.
-    if !(largest < 1e37 && size < 1e37) {
-        return (f32::NEG_INFINITY, f32::INFINITY);
-    }
-    let margin = size / f64::from(1 << 18);
-    ((a.min(b) - margin) as f32, (a.max(b) + margin) as f32)
-}
-
-/// Whether a transfer function shows anything of an interval: what
-/// [`TransferTable::max_opacity`] > 0 says, in constant time.
-struct Visibility {
-    lo: f32,
-    entries_per_value: f32,
-    /// Number of visible entries before each entry.
-    before: Vec<u32>,
-}
-
-impl Visibility {
-    fn new(table: &TransferTable) -> Visibility {
-        let [lo, hi] = table.domain();
-        let mut before = vec![0];
-        for entry in table.entries() {
-            before.push(before[before.len() - 1] + u32::from(entry[3] > 0.0));
-        }
-        Visibility {
-            lo,
-            entries_per_value: (table.entries().len() - 1) as f32 / (hi - lo),
-            before,
-        }
-    }
-
-    fn any(&self, lo: f32, hi: f32) -> bool {
-        let entries = self.before.len() - 1;
-        let position = |value: f32| {
-            ((value - self.lo) * self.entries_per_value).clamp(0.0, (entries - 1) as f32)
-        };
-        // One entry more on either side makes up for rounding in `position`.
-        let first = (position(lo) as usize).saturating_sub(1);
-        let end = (position(hi) as usize + 3).min(entries);
-        self.before[end] > self.before[first]
-    }
-}
-
 /// For each brick the chessboard distance (at most 255) to the nearest that is `visible`, by the two
 /// raster passes of A. Rosenfeld and J. Pfaltz (1968), exact for this distance.
-fn radii(bricks: &Bricks, visible: impl Fn(&BrickRange) -> bool) -> Vec<u8> {
-    let mut radii: Vec<u8> = bricks
-        .ranges()
-        .iter()
-        .map(|range| if visible(range) { 0 } else { u8::MAX })
-        .collect();
-    let dims = bricks.dims().map(|n| n as isize);
+fn radii(dims: [i32; 3], visible: &[bool]) -> Vec<u8> {
+    let radius = |visible: &bool| if *visible { 0 } else { u8::MAX };
+    let mut radii: Vec<u8> = visible.iter().map(radius).collect();
+    let dims = dims.map(|n| n as isize);
     let [nx, ny, nz] = dims;
     let mut neighbours = Vec::new();
     for dz in -1..=0 {
@@ -239,20 +161,6 @@ mod tests {
 
     proptest! {
         #[test]
-        fn visibility_is_max_opacity(
-            opaque in proptest::collection::vec(any::<bool>(), 2..60),
-            lo in -2f32..2.0,
-            width in 0f32..1.0,
-        ) {
-            let entries = opaque.iter().map(|&o| [0.0, 0.0, 0.0, f32::from(u8::from(o))]);
-            let table = TransferTable::new([-1.0, 1.0], 1.0, entries.collect());
-            prop_assert_eq!(
-                Visibility::new(&table).any(lo, lo + width),
-                table.max_opacity(lo, lo + width) > 0.0
-            );
-        }
-
-        #[test]
         fn radii_are_chessboard_distances(
             dims in [1usize..40, 1usize..40, 1usize..40],
             places in proptest::collection::vec(any::<proptest::sample::Index>(), 0..3),
@@ -266,13 +174,13 @@ mod tests {
             let volume =
                 Volume::new(grid, Samples::U8(samples), Rescale::IDENTITY, Metadata::default());
             let bricks = Bricks::new(&volume.unwrap());
-            let visible = |range: &BrickRange| range.hi > 0.0;
-            let got = radii(&bricks, visible);
+            let visible: Vec<bool> = bricks.ranges().iter().map(|range| range.hi > 0.0).collect();
+            let got = radii(bricks.dims().map(|n| n as i32), &visible);
             let [nx, ny, nz] = bricks.dims();
             let place = |i: usize| [i % nx, i / nx % ny, i / (nx * ny)];
             for (i, radius) in got.iter().enumerate().take(nx * ny * nz) {
                 let nearest = (0..nx * ny * nz)
-                    .filter(|&j| visible(&bricks.ranges()[j]))
+                    .filter(|&j| visible[j])
                     .map(|j| (0..3).map(|a| place(i)[a].abs_diff(place(j)[a])).max().unwrap())
                     .min()
                     .unwrap_or(255);

@@ -43,6 +43,12 @@ pub enum Error {
         /// Bytes of the whole texture.
         most_bytes: u64,
     },
+    /// The graphics renderer has no means for this yet.
+    #[error("the graphics renderer does not draw {0} yet; draw with --backend cpu")]
+    NotYet(&'static str),
+    /// The coefficients of an interpolating B-spline cannot be made.
+    #[error(transparent)]
+    Coefficients(#[from] strahl_volume::Error),
     /// The Plan was resolved for another volume.
     #[error(
         "the plan is for a grid of {plan:?} voxels, the volume has {volume:?} (or lies elsewhere); resolve the scene with this volume's header"

@@ -40,9 +40,9 @@ impl Frame {
             Projection::Perspective { tan_half_height } => (1, tan_half_height),
             Projection::Orthographic { half_height_mm } => (0, half_height_mm),
         };
-        let grid = &plan.volume.grid;
-        let rescale = plan.volume.rescale;
-        let table = &plan.classify;
+        let grid = &plan.objects[0].grid;
+        let rescale = plan.objects[0].rescale;
+        let table = &plan.objects[0].table;
         // value = slope · (scale · texel + shift) + intercept
         let slope = rescale.slope * f64::from(storage.scale);
         let intercept = rescale.slope * f64::from(storage.shift) + rescale.intercept;

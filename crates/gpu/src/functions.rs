@@ -3,8 +3,11 @@
 use crate::volume_texture::Storage;
 use glam::DVec3;
 use std::sync::Arc;
-use strahl_scene::plan::{Composite, Gradient, Jitter, Plan, PlanLight, Reconstruct, Shade};
-use strahl_shader::{Error, Module, Program, Selection, built_in};
+use strahl_scene::plan::{
+    Classify, ClipShape, Composite, DebugView, GradientInput, GradientMethod, Illuminate, Jitter,
+    Plan, PlanLight, PlanModule, Reconstruct, Shade,
+};
+use strahl_shader::{Error, Fold, Module, Program, Selection, built_in};
 
 /// The functions of a Plan, and the values of their parameters.
 pub struct Functions {
@@ -15,7 +18,7 @@ pub struct Functions {
 
 struct Values {
     module: Arc<Module>,
-    values: Vec<(&'static str, Vec<f64>)>,
+    values: Vec<(String, Vec<f64>)>,
 }
 
 impl Functions {
@@ -29,6 +32,9 @@ impl Functions {
         functions.sample(plan, storage)?;
         functions.light(plan)?;
         functions.composite(plan)?;
+        functions.modules(plan);
+        let modules = functions.values.iter().map(|values| values.module.clone());
+        functions.selection = modules.fold(Selection::new(), Selection::with);
         Ok(functions)
     }
 
@@ -59,8 +65,11 @@ impl Functions {
         values: Vec<(&'static str, Vec<f64>)>,
     ) -> Result<(), Error> {
         let module = built_in(slot, name)?;
-        self.selection = std::mem::take(&mut self.selection).with(module.clone());
-        self.values.push(Values { module, values });
+        let named = |(name, value): (&str, Vec<f64>)| (name.to_owned(), value);
+        self.values.push(Values {
+            module,
+            values: values.into_iter().map(named).collect(),
+        });
         Ok(())
     }
 
@@ -87,44 +96,131 @@ impl Functions {
                 ("unit_from_world_z", row(2)),
                 ("keep_inside", vec![f64::from(u8::from(clip.keep_inside))]),
             ];
-            self.put("clip_sample", "box", values)?;
+            let name = match clip.shape {
+                ClipShape::Box => "box",
+                ClipShape::Ellipsoid => "ellipsoid",
+                ClipShape::Cylinder => "cylinder",
+                ClipShape::Mask { .. } => "mask",
+            };
+            self.put("clip_sample", name, values)?;
         }
         Ok(())
     }
 
     fn sample(&mut self, plan: &Plan, storage: &Storage) -> Result<(), Error> {
         self.put("fetch", "texture", vec![])?;
+        let filtered = storage.is_filterable;
         let reconstruct = match plan.reconstruct {
             Reconstruct::Nearest => "nearest",
-            Reconstruct::Trilinear if storage.is_filterable => "trilinear_sampler",
+            Reconstruct::Trilinear if filtered => "trilinear_sampler",
             Reconstruct::Trilinear => "trilinear",
+            // The texture holds coefficients if the spline shall interpolate.
+            Reconstruct::BSpline | Reconstruct::BSplineInterpolating if filtered => {
+                "b_spline_sampler"
+            }
+            Reconstruct::BSpline | Reconstruct::BSplineInterpolating => "b_spline",
+            Reconstruct::CatmullRom => "catmull_rom",
         };
         self.put("reconstruct", reconstruct, vec![])?;
-        self.put("classify", "table", vec![])?;
-        self.put("gradient_input", "value", vec![])?;
-        match plan.gradient {
-            Gradient::Central => self.put("gradient", "central", vec![]),
-        }
+        let (classify, values) = match plan.classify {
+            Classify::Table => ("table", vec![]),
+            Classify::Identity { black, white } => (
+                "identity",
+                vec![("black", one(black)), ("white", one(white))],
+            ),
+            Classify::Threshold {
+                threshold,
+                black,
+                white,
+            } => (
+                "threshold",
+                vec![
+                    ("threshold", one(threshold)),
+                    ("black", one(black)),
+                    ("white", one(white)),
+                ],
+            ),
+            Classify::GradientTable {
+                low_per_mm,
+                high_per_mm,
+            } => (
+                "gradient_table",
+                vec![
+                    ("low_per_mm", one(low_per_mm)),
+                    ("high_per_mm", one(high_per_mm)),
+                ],
+            ),
+            Classify::PreClassified => ("pre_classified", vec![]),
+        };
+        self.put("classify", classify, values)?;
+        let input = match plan.gradient.input {
+            GradientInput::Value => "value",
+            GradientInput::Opacity => "opacity",
+        };
+        self.put("gradient_input", input, vec![])?;
+        let method = match plan.gradient.method {
+            GradientMethod::Forward => "forward",
+            GradientMethod::Backward => "backward",
+            GradientMethod::Central => "central",
+            GradientMethod::Central9 => "central_9",
+            GradientMethod::Sobel => "sobel",
+            GradientMethod::BSpline => "b_spline",
+        };
+        self.put("gradient", method, vec![])
     }
 
     fn light(&mut self, plan: &Plan) -> Result<(), Error> {
-        let Shade::BlinnPhong {
-            ambient,
-            diffuse,
-            specular,
-            shininess,
-        } = plan.shade
-        else {
-            return Ok(());
+        let (ambient, illuminate, keep_last_normal) = match plan.shade {
+            Shade::Unlit => return Ok(()),
+            Shade::GradientOpacity { full_per_mm } => {
+                let values = vec![("full_per_mm", one(full_per_mm))];
+                return self.put("shade", "gradient_opacity", values);
+            }
+            Shade::Lit {
+                ambient,
+                illuminate,
+                keep_last_normal,
+            } => (ambient, illuminate, keep_last_normal),
         };
-        let one = |v: f32| vec![f64::from(v)];
-        self.put("shade", "lit", vec![("ambient", one(ambient))])?;
-        let values = vec![
-            ("diffuse", one(diffuse)),
-            ("specular", one(specular)),
-            ("shininess", one(shininess)),
-        ];
-        self.put("illuminate", "blinn_phong", values)?;
+        let shade = if keep_last_normal {
+            "lit_last_normal"
+        } else {
+            "lit"
+        };
+        self.put("shade", shade, vec![("ambient", one(ambient))])?;
+        let shiny = |diffuse: f32, specular: f32, shininess: f32| {
+            vec![
+                ("diffuse", one(diffuse)),
+                ("specular", one(specular)),
+                ("shininess", one(shininess)),
+            ]
+        };
+        let (model, values) = match illuminate {
+            Illuminate::Lambert { diffuse } => ("lambert", vec![("diffuse", one(diffuse))]),
+            Illuminate::Phong {
+                diffuse,
+                specular,
+                shininess,
+            } => ("phong", shiny(diffuse, specular, shininess)),
+            Illuminate::BlinnPhong {
+                diffuse,
+                specular,
+                shininess,
+            } => ("blinn_phong", shiny(diffuse, specular, shininess)),
+            Illuminate::CookTorrance {
+                diffuse,
+                roughness,
+                reflectance,
+            } => (
+                "cook_torrance",
+                vec![
+                    ("diffuse", one(diffuse)),
+                    ("roughness", one(roughness)),
+                    ("reflectance", one(reflectance)),
+                ],
+            ),
+        };
+        self.put("illuminate", model, values)?;
         for light in &plan.lights {
             let color = |c: [f32; 3]| c.map(f64::from).to_vec();
             match *light {
@@ -133,6 +229,19 @@ impl Functions {
                     "directional",
                     vec![
                         ("to_light", vector(to_light)),
+                        ("radiance", color(radiance)),
+                    ],
+                )?,
+                PlanLight::Point {
+                    place_mm,
+                    reach_mm,
+                    radiance,
+                } => self.put(
+                    "light",
+                    "point",
+                    vec![
+                        ("place_mm", vector(place_mm)),
+                        ("reach_mm", one(reach_mm)),
                         ("radiance", color(radiance)),
                     ],
                 )?,
@@ -150,20 +259,70 @@ impl Functions {
                 stop_at_transmittance,
             } => (
                 "front_to_back",
-                vec![(
-                    "stop_at_transmittance",
-                    vec![f64::from(stop_at_transmittance)],
-                )],
+                vec![("stop_at_transmittance", one(stop_at_transmittance))],
             ),
+            Composite::BackToFront => ("back_to_front", vec![]),
             Composite::Mip => ("maximum", vec![]),
             Composite::MinIp => ("minimum", vec![]),
             Composite::Average => ("average", vec![]),
+            Composite::Gmip { white_per_mm } => (
+                "gradient_maximum",
+                vec![("white_per_mm", one(white_per_mm))],
+            ),
+            Composite::Mida {
+                low,
+                high,
+                blend,
+                stop_at_transmittance,
+            } => (
+                "mida",
+                vec![
+                    ("low", one(low)),
+                    ("high", one(high)),
+                    ("blend", one(blend)),
+                    ("stop_at_transmittance", one(stop_at_transmittance)),
+                ],
+            ),
             Composite::FirstHit { threshold } => {
                 ("first_hit", vec![("threshold", vec![threshold])])
             }
+            Composite::Debug(view) => match view {
+                DebugView::Entry => ("entry", vec![]),
+                DebugView::Exit => ("exit", vec![]),
+                DebugView::Normal => ("normal", vec![]),
+                DebugView::GradientRaw => ("normal_raw", vec![]),
+                DebugView::GradientMagnitude { white_per_mm } => (
+                    "gradient_magnitude",
+                    vec![("white_per_mm", one(white_per_mm))],
+                ),
+                DebugView::SampleCount { white } => ("sample_count", vec![("white", one(white))]),
+                DebugView::Depth { near_mm, far_mm } => (
+                    "hit_depth",
+                    vec![("near_mm", one(near_mm)), ("far_mm", one(far_mm))],
+                ),
+            },
         };
         self.put("composite", name, values)
     }
+
+    /// The user's own functions: each takes the place of what stands in its slot; where several
+    /// functions stand together it comes last.
+    fn modules(&mut self, plan: &Plan) {
+        for PlanModule { module, values } in &plan.modules {
+            if module.slot().fold == Fold::One {
+                self.values
+                    .retain(|values| values.module.slot() != module.slot());
+            }
+            self.values.push(Values {
+                module: module.clone(),
+                values: values.clone(),
+            });
+        }
+    }
+}
+
+fn one(v: f32) -> Vec<f64> {
+    vec![f64::from(v)]
 }
 
 fn vector(v: DVec3) -> Vec<f64> {

@@ -40,7 +40,11 @@ use pipelines::Pipelines;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::time::Instant;
-use strahl_scene::{Image, plan::Plan};
+use strahl_scene::Image;
+use strahl_scene::plan::{
+    ALL_OBJECTS, Classify, ClipShape, Composite, Fetch, GradientMethod, Jitter, ObjectSet, Plan,
+    Reconstruct, SampleClip,
+};
 use strahl_shader::{Linker, PARAMETERS_BINDING, Program, TABLE_ROW, ray_loop};
 use strahl_volume::{Volume, bricks::Bricks};
 use target::{PART, Target};
@@ -87,6 +91,46 @@ pub struct Stats {
     pub draw_seconds: f64,
 }
 
+/// Refuses what this renderer cannot draw yet.
+fn check_means(plan: &Plan) -> Result<(), Error> {
+    let of_some = |objects: ObjectSet| objects != ALL_OBJECTS;
+    let is_mask = |clip: &SampleClip| matches!(clip.shape, ClipShape::Mask { .. });
+    let means = [
+        (plan.objects.len() > 1, "several volumes"),
+        (!plan.meshes.is_empty(), "meshes"),
+        (plan.fetch != Fetch::Stored, "procedural volumes"),
+        (
+            plan.reconstruct == Reconstruct::BSplineInterpolating,
+            "interpolating B-splines",
+        ),
+        (
+            plan.classify == Classify::PreClassified,
+            "pre-classified volumes",
+        ),
+        (
+            plan.gradient.method == GradientMethod::BSpline,
+            "B-spline gradients",
+        ),
+        (plan.composite == Composite::BackToFront, "back to front"),
+        (matches!(plan.composite, Composite::Debug(_)), "debug views"),
+        (
+            !matches!(plan.lattice.jitter, Jitter::Centre | Jitter::Hash(_)),
+            "jitter by tiles and sine hashes",
+        ),
+        (plan.sample_clips.iter().any(is_mask), "clips by masks"),
+        (
+            plan.sample_clips.iter().any(|clip| of_some(clip.objects))
+                || plan.ray_clips.iter().any(|clip| of_some(clip.objects)),
+            "clips of single objects",
+        ),
+        (plan.with_depth, "a depth channel"),
+    ];
+    match means.into_iter().find(|(wanted, _)| *wanted) {
+        Some((_, what)) => Err(Error::NotYet(what)),
+        None => Ok(()),
+    }
+}
+
 impl<'d> Renderer<'d> {
     /// Copies `volume` to the device.
     ///
@@ -128,12 +172,15 @@ impl<'d> Renderer<'d> {
         plan: &Plan,
         progress: impl Fn(usize, usize) -> ControlFlow<()>,
     ) -> Result<Rendered, Error> {
-        if plan.volume.grid != self.grid {
+        let object = &plan.objects[0];
+        if object.grid.dims() != self.grid.dims() || !(object.is_moved || object.grid == self.grid)
+        {
             return Err(Error::OtherGrid {
-                plan: plan.volume.grid.dims(),
+                plan: object.grid.dims(),
                 volume: self.grid.dims(),
             });
         }
+        check_means(plan)?;
         let start = Instant::now();
         let storage = self.volume.storage;
         let functions = Functions::of(plan, &storage)?;
@@ -155,27 +202,47 @@ impl<'d> Renderer<'d> {
 
         let (width, height) = (plan.width as usize, plan.height as usize);
         let mut pixels = vec![[0.0; 4]; width * height];
+        let frames = plan.lattice.frames;
+        let mut sums = vec![[0.0f64; 4]; if frames == 1 { 0 } else { width * height }];
         let pipeline = self.pipelines.of(self.device, &program)?;
-        for y in (0..plan.height).step_by(PART as usize) {
-            for x in (0..plan.width).step_by(PART as usize) {
-                frame.origin = [x, y];
-                self.device
-                    .queue
-                    .write_buffer(&frame_buffer, 0, bytemuck::bytes_of(&frame));
-                let size = [PART.min(plan.width - x), PART.min(plan.height - y)];
-                self.target
-                    .draw(self.device, pipeline, &bindings, size, |row, part| {
-                        let start = (y + row) as usize * width + x as usize;
-                        pixels[start..start + part.len()].copy_from_slice(part);
-                    })?;
-            }
-            let drawn = (y + PART).min(plan.height) as usize;
-            if progress(drawn, height).is_break() {
-                return Err(Error::Cancelled);
+        let mut drawn = 0;
+        for number in 0..frames {
+            frame.number = number;
+            for y in (0..plan.height).step_by(PART as usize) {
+                for x in (0..plan.width).step_by(PART as usize) {
+                    frame.origin = [x, y];
+                    self.device
+                        .queue
+                        .write_buffer(&frame_buffer, 0, bytemuck::bytes_of(&frame));
+                    let size = [PART.min(plan.width - x), PART.min(plan.height - y)];
+                    let (pixels, sums) = (&mut pixels, &mut sums);
+                    self.target
+                        .draw(self.device, pipeline, &bindings, size, |row, part| {
+                            let start = (y + row) as usize * width + x as usize;
+                            let place = start..start + part.len();
+                            if frames == 1 {
+                                pixels[place].copy_from_slice(part);
+                                return;
+                            }
+                            for (sum, pixel) in sums[place].iter_mut().zip(part) {
+                                for (sum, c) in sum.iter_mut().zip(pixel) {
+                                    *sum += f64::from(*c);
+                                }
+                            }
+                        })?;
+                }
+                drawn += PART.min(plan.height - y) as usize;
+                if progress(drawn, frames as usize * height).is_break() {
+                    return Err(Error::Cancelled);
+                }
             }
         }
+        for (pixel, sum) in pixels.iter_mut().zip(&sums) {
+            *pixel = sum.map(|c| (c / f64::from(frames)) as f32);
+        }
         Ok(Rendered {
-            image: Image::from_pixels(plan.width, plan.height, pixels),
+            image: Image::from_pixels(plan.width, plan.height, pixels)
+                .into_linear(plan.compositing),
             stats: Stats {
                 upload_seconds: self.upload_seconds,
                 link_seconds: (linked - start).as_secs_f64(),
@@ -232,7 +299,7 @@ impl<'d> Renderer<'d> {
 
     /// The transfer table in rows of [`TABLE_ROW`] entries.
     fn table(&self, plan: &Plan) -> wgpu::TextureView {
-        let mut entries = plan.classify.entries().to_vec();
+        let mut entries = plan.objects[0].table.entries().to_vec();
         let width = (entries.len() as u32).min(TABLE_ROW);
         let height = (entries.len() as u32).div_ceil(TABLE_ROW);
         entries.resize((width * height) as usize, [0.0; 4]);
@@ -251,7 +318,7 @@ impl<'d> Renderer<'d> {
             wgpu::TextureDimension::D3,
             wgpu::TextureFormat::R8Uint,
             self.bricks.dims().map(|n| n as u32),
-            &occupancy::occupancy(&self.bricks, plan),
+            &occupancy::occupancy(&self.bricks, plan, 0),
         )
     }
 

@@ -1,24 +1,30 @@
 //! Clip planes and boxes, as people write them.
 
-use crate::plan::{ClipBox, ClipPlane};
+use crate::plan::{ALL_OBJECTS, ClipPlane, ClipShape, MOST_MASKS, ObjectSet, SampleClip};
 use crate::problem::{Checker, Within};
 use glam::{DAffine3, DMat3, DQuat, DVec3, EulerRot};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use strahl_volume::Grid;
 
-/// Something that cuts a part of the volume away.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+/// Something that cuts a part of the picture away.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Clip {
     /// Keeps one side of a plane.
     Plane(PlaneClip),
     /// Keeps the inside or the outside of a box.
     Box(BoxClip),
+    /// Keeps the inside or the outside of the ellipsoid that touches the faces of a box.
+    Ellipsoid(BoxClip),
+    /// Keeps the inside or the outside of the elliptic cylinder along z that touches the faces of a box.
+    Cylinder(BoxClip),
+    /// Keeps the inside or the outside of a mask.
+    Mask(MaskClip),
 }
 
 /// Keeps the side of a plane that its normal points to.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PlaneClip {
     /// Towards the side that is kept, RAS; any length above 0.
@@ -29,10 +35,13 @@ pub struct PlaneClip {
     /// Instead of a point: distance of the plane from the world's origin along the normal.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub distance_mm: Option<f64>,
+    /// Names of the objects that are cut; default all. `volume` is the scene's own volume.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub objects: Option<Vec<String>>,
 }
 
-/// Keeps the inside or the outside of a box.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+/// A box, and whether its inside or its outside is kept.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BoxClip {
     /// One corner.
@@ -48,6 +57,26 @@ pub struct BoxClip {
     /// What is kept; default `inside`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub keep: Option<Keep>,
+    /// Names of the objects that are cut; default all. `volume` is the scene's own volume.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub objects: Option<Vec<String>>,
+}
+
+/// A volume whose values say what is inside.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MaskClip {
+    /// File with the mask, on a grid of its own; relative to the folder of the scene file.
+    pub path: String,
+    /// Inside is where the mask, linear between its voxels, is above this; default 0.5.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub threshold: Option<f64>,
+    /// What is kept; default `inside`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub keep: Option<Keep>,
+    /// Names of the objects that are cut; default all. `volume` is the scene's own volume.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub objects: Option<Vec<String>>,
 }
 
 /// What the corners of a box count in.
@@ -62,18 +91,51 @@ pub enum BoxSpace {
     Fraction,
 }
 
-/// What a box keeps.
+/// What a shape keeps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Keep {
-    /// What is in the box.
+    /// What is in it.
     Inside,
-    /// What is around the box.
+    /// What is around it.
     Outside,
 }
 
+/// What a clip needs to know of the scene around it.
+pub(crate) struct ClipPlaces<'c> {
+    /// Of the scene's own volume, that boxes may count in.
+    pub grid: &'c Grid,
+    /// Of each mask, in the order of the clips.
+    pub masks: &'c [Grid],
+    /// Of each object, in the order of the Plan, `None` for nameless ones.
+    pub names: &'c [Option<String>],
+}
+
+/// The clips of a plan.
+#[derive(Default)]
+pub(crate) struct PlanClips {
+    pub planes: Vec<ClipPlane>,
+    pub shapes: Vec<SampleClip>,
+    /// Masks met so far.
+    pub masks: usize,
+}
+
 impl Clip {
+    /// Where the mask lies, if this is one.
+    pub fn mask_path(&mut self) -> Option<&mut String> {
+        match self {
+            Clip::Mask(mask) => Some(&mut mask.path),
+            _ => None,
+        }
+    }
+
     pub(crate) fn settled(self, grid: &Grid) -> Clip {
+        let shape = |clip: BoxClip| BoxClip {
+            space: clip.space.or(Some(BoxSpace::World)),
+            rotation_deg: clip.rotation_deg.or(Some([0.0; 3])),
+            keep: clip.keep.or(Some(Keep::Inside)),
+            ..clip
+        };
         match self {
             Clip::Plane(plane) => Clip::Plane(PlaneClip {
                 point: plane.point.or(plane
@@ -82,11 +144,13 @@ impl Clip {
                     .then(|| grid.centre_mm().to_array())),
                 ..plane
             }),
-            Clip::Box(clip) => Clip::Box(BoxClip {
-                space: clip.space.or(Some(BoxSpace::World)),
-                rotation_deg: clip.rotation_deg.or(Some([0.0; 3])),
-                keep: clip.keep.or(Some(Keep::Inside)),
-                ..clip
+            Clip::Box(clip) => Clip::Box(shape(clip)),
+            Clip::Ellipsoid(clip) => Clip::Ellipsoid(shape(clip)),
+            Clip::Cylinder(clip) => Clip::Cylinder(shape(clip)),
+            Clip::Mask(mask) => Clip::Mask(MaskClip {
+                threshold: mask.threshold.or(Some(0.5)),
+                keep: mask.keep.or(Some(Keep::Inside)),
+                ..mask
             }),
         }
     }
@@ -96,41 +160,128 @@ impl Clip {
     pub(crate) fn plan(
         &self,
         path: &str,
-        grid: &Grid,
+        places: &ClipPlaces,
         checker: &mut Checker,
-        planes: &mut Vec<ClipPlane>,
-        boxes: &mut Vec<ClipBox>,
+        clips: &mut PlanClips,
     ) {
-        match self {
-            Clip::Plane(plane) => planes.extend(plane.plan(&format!("{path}.plane"), checker)),
-            Clip::Box(clip) => {
-                let Some(unit_from_world) = clip.plan(&format!("{path}.box"), grid, checker) else {
-                    return;
-                };
-                if clip.keep == Some(Keep::Outside) {
-                    boxes.push(ClipBox {
-                        unit_from_world,
-                        keep_inside: false,
-                    });
-                    return;
-                }
-                let rows = unit_from_world.matrix3.transpose();
-                let shift = unit_from_world.translation;
-                for (row, shift) in [
-                    (rows.x_axis, shift.x),
-                    (rows.y_axis, shift.y),
-                    (rows.z_axis, shift.z),
-                ] {
-                    let length = row.length();
-                    for side in [1.0, -1.0] {
-                        planes.push(ClipPlane {
-                            normal: side * row / length,
-                            offset_mm: (0.5 + side * shift) / length,
-                        });
-                    }
-                }
+        let (kind, shape, clip) = match self {
+            Clip::Plane(plane) => {
+                let path = format!("{path}.plane");
+                let objects = objects(&path, &plane.objects, places.names, checker);
+                let plane = plane.plan(&path, checker);
+                clips
+                    .planes
+                    .extend(plane.map(|plane| ClipPlane { objects, ..plane }));
+                return;
+            }
+            Clip::Mask(mask) => {
+                mask.plan(&format!("{path}.mask"), places, checker, clips);
+                return;
+            }
+            Clip::Box(clip) => ("box", ClipShape::Box, clip),
+            Clip::Ellipsoid(clip) => ("ellipsoid", ClipShape::Ellipsoid, clip),
+            Clip::Cylinder(clip) => ("cylinder", ClipShape::Cylinder, clip),
+        };
+        let path = format!("{path}.{kind}");
+        let objects = objects(&path, &clip.objects, places.names, checker);
+        let Some(unit_from_world) = clip.plan(&path, places.grid, checker) else {
+            return;
+        };
+        let keep_inside = clip.keep != Some(Keep::Outside);
+        if shape != ClipShape::Box || !keep_inside {
+            clips.shapes.push(SampleClip {
+                shape,
+                unit_from_world,
+                keep_inside,
+                objects,
+            });
+            return;
+        }
+        let rows = unit_from_world.matrix3.transpose();
+        let shift = unit_from_world.translation;
+        for (row, shift) in [
+            (rows.x_axis, shift.x),
+            (rows.y_axis, shift.y),
+            (rows.z_axis, shift.z),
+        ] {
+            let length = row.length();
+            for side in [1.0, -1.0] {
+                clips.planes.push(ClipPlane {
+                    normal: side * row / length,
+                    offset_mm: (0.5 + side * shift) / length,
+                    objects,
+                });
             }
         }
+    }
+}
+
+/// The objects that have these names.
+fn objects(
+    path: &str,
+    wanted: &Option<Vec<String>>,
+    names: &[Option<String>],
+    checker: &mut Checker,
+) -> ObjectSet {
+    let Some(wanted) = wanted else {
+        return ALL_OBJECTS;
+    };
+    let known: Vec<&str> = names.iter().flatten().map(String::as_str).collect();
+    let mut set = 0;
+    for (i, name) in wanted.iter().enumerate() {
+        match names.iter().position(|known| known.as_ref() == Some(name)) {
+            Some(object) => set |= 1 << object,
+            None => checker.add(
+                format!("{path}.objects[{i}]"),
+                format!("{name:?}"),
+                &format!("the name of a volume of the scene: {}", known.join(", ")),
+            ),
+        }
+    }
+    set
+}
+
+impl MaskClip {
+    fn plan(&self, path: &str, places: &ClipPlaces, checker: &mut Checker, clips: &mut PlanClips) {
+        let objects = objects(path, &self.objects, places.names, checker);
+        let threshold = self.threshold.unwrap_or(0.5);
+        checker.number(
+            &format!("{path}.threshold"),
+            threshold,
+            Within::Closed(-1e30, 1e30),
+        );
+        let mask = clips.masks;
+        clips.masks += 1;
+        if mask >= MOST_MASKS {
+            checker.add(
+                path,
+                "one mask more",
+                &format!("at most {MOST_MASKS} masks in one picture"),
+            );
+            return;
+        }
+        let Some(grid) = places.masks.get(mask) else {
+            checker.add(
+                path,
+                format!("{:?}, which is not loaded", self.path),
+                "a mask that is handed over with the scene",
+            );
+            return;
+        };
+        let (first, last) = grid.extent_in_voxels();
+        let voxel_from_unit = DAffine3::from_mat3_translation(
+            DMat3::from_diagonal(last - first),
+            0.5 * (first + last),
+        );
+        clips.shapes.push(SampleClip {
+            shape: ClipShape::Mask {
+                mask,
+                threshold: threshold as f32,
+            },
+            unit_from_world: (grid.world_from_voxel() * voxel_from_unit).inverse(),
+            keep_inside: self.keep != Some(Keep::Outside),
+            objects,
+        });
     }
 }
 
@@ -169,7 +320,11 @@ impl PlaneClip {
                 -distance
             }
         };
-        (checker.problems.len() == before).then_some(ClipPlane { normal, offset_mm })
+        (checker.problems.len() == before).then_some(ClipPlane {
+            normal,
+            offset_mm,
+            objects: ALL_OBJECTS,
+        })
     }
 }
 

@@ -1,5 +1,6 @@
 //! Display colours and their way to linear light.
 
+use crate::plan::Compositing;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 use std::{borrow::Cow, fmt};
@@ -53,6 +54,14 @@ impl Color {
     /// Linear light, the form that plans and pictures use.
     pub fn linear(self) -> [f32; 3] {
         self.0.map(|part| linear_from_srgb(part) as f32)
+    }
+
+    /// In the numbers in which a plan adds colours up.
+    pub(crate) fn in_space(self, compositing: Compositing) -> [f32; 3] {
+        match compositing {
+            Compositing::Linear => self.linear(),
+            Compositing::Display => self.0.map(|part| part as f32),
+        }
     }
 }
 
@@ -136,12 +145,12 @@ pub enum Background {
 }
 
 impl Background {
-    /// Linear, premultiplied RGBA.
-    pub fn linear(self) -> [f32; 4] {
+    /// Premultiplied RGBA in the numbers in which a plan adds colours up.
+    pub(crate) fn in_space(self, compositing: Compositing) -> [f32; 4] {
         match self {
             Background::Transparent => [0.0; 4],
             Background::Color(color) => {
-                let [r, g, b] = color.linear();
+                let [r, g, b] = color.in_space(compositing);
                 [r, g, b, 1.0]
             }
         }

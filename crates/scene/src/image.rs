@@ -1,5 +1,8 @@
 //! The picture that every renderer makes.
 
+use crate::linear_from_srgb;
+use crate::plan::Compositing;
+
 /// Linear, premultiplied RGBA; row 0 is the top; colours use the sRGB primaries and are not tone
 /// mapped yet. The background is already in it.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,6 +33,23 @@ impl Image {
             height,
             pixels,
         }
+    }
+
+    /// This picture of samples that were added up as `compositing` says, as linear light. What is not
+    /// opaque keeps its alpha; its colour is decoded as if it were alone.
+    pub fn into_linear(mut self, compositing: Compositing) -> Image {
+        if compositing == Compositing::Display {
+            for [r, g, b, a] in &mut self.pixels {
+                let alpha = *a;
+                for part in [r, g, b] {
+                    if alpha > 0.0 {
+                        let straight = f64::from(*part / alpha).max(0.0);
+                        *part = (linear_from_srgb(straight) as f32) * alpha;
+                    }
+                }
+            }
+        }
+        self
     }
 
     /// Pixels per row.

@@ -17,13 +17,18 @@
 
 pub mod plan;
 pub mod transfer;
+pub mod visibility;
 
 mod camera;
 mod clip;
 mod color;
 mod color_map;
+mod function;
+mod headers;
 mod image;
 mod light;
+mod noise_tile;
+mod object;
 mod parse;
 mod preset;
 mod problem;
@@ -33,17 +38,21 @@ mod transfer_function;
 mod window;
 
 pub use camera::{Camera, Projection, View};
-pub use clip::{BoxClip, BoxSpace, Clip, Keep, PlaneClip};
+pub use clip::{BoxClip, BoxSpace, Clip, Keep, MaskClip, PlaneClip};
 pub use color::{Background, Color, linear_from_srgb};
 pub use color_map::ColorMap;
+pub use function::{FunctionUse, ParameterValue};
+pub use headers::Headers;
 pub use image::Image;
 pub use light::{Light, LightKind, LightSpace};
+pub use noise_tile::NoiseTile;
+pub use object::{Placement, SceneObject};
 pub use parse::{Error, schema};
 pub use preset::{PresetInfo, presets};
 pub use problem::{Problem, Problems};
-pub use resolve::{FORMAT, MAX_SAMPLES_PER_RAY, resolve, settled};
+pub use resolve::{FORMAT, MAX_SAMPLES_PER_RAY, resolve, resolve_with, settled, settled_with};
 pub use scene::{
-    Display, Endian, Jitter, LabelSource, Method, Reconstruct, Scene, Shading, ShadingModel,
-    ToneMap, VolumeSource,
+    Compositing, DebugView, Display, Endian, Gradient, GradientInput, GradientMethod, Jitter,
+    LabelSource, Method, Quality, Reconstruct, Scene, Shading, ShadingModel, ToneMap, VolumeSource,
 };
 pub use transfer_function::{PointsIn, TransferFunction, TransferPoint};

@@ -1,7 +1,7 @@
 //! Lights, as people write them.
 
 use crate::Color;
-use crate::plan::{PlanCamera, PlanLight};
+use crate::plan::{Compositing, PlanCamera, PlanLight};
 use crate::problem::{Checker, Within};
 use glam::DVec3;
 use schemars::JsonSchema;
@@ -25,6 +25,12 @@ pub struct Light {
     /// (world), −90 to 90.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub elevation_deg: Option<f64>,
+    /// Where a point light is, RAS mm.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub position: Option<[f64; 3]>,
+    /// The distance at which a point light is as strong as `intensity` says; default 500.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reach_mm: Option<f64>,
     /// Its colour; default white.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub color: Option<Color>,
@@ -39,6 +45,8 @@ pub struct Light {
 pub enum LightKind {
     /// Parallel light from one direction.
     Directional,
+    /// A lamp at a place; its light falls with the square of the distance.
+    Point,
     /// From the eye along each ray.
     Head,
 }
@@ -61,6 +69,8 @@ impl Light {
             space: Some(LightSpace::Camera),
             azimuth_deg: Some(azimuth_deg),
             elevation_deg: Some(elevation_deg),
+            position: None,
+            reach_mm: None,
             color: Some(Color::WHITE),
             intensity: Some(intensity),
         }
@@ -73,6 +83,8 @@ impl Light {
             space: None,
             azimuth_deg: None,
             elevation_deg: None,
+            position: None,
+            reach_mm: None,
             color: Some(Color::WHITE),
             intensity: Some(intensity),
         }
@@ -85,6 +97,10 @@ impl Light {
             space: self.space.or(directional.then_some(LightSpace::Camera)),
             azimuth_deg: self.azimuth_deg.or(directional.then_some(0.0)),
             elevation_deg: self.elevation_deg.or(directional.then_some(0.0)),
+            position: self.position,
+            reach_mm: self
+                .reach_mm
+                .or((self.kind == LightKind::Point).then_some(500.0)),
             color: self.color.or(Some(Color::WHITE)),
             intensity: self.intensity.or(Some(1.0)),
         }
@@ -95,6 +111,7 @@ impl Light {
         &self,
         path: &str,
         camera: &PlanCamera,
+        compositing: Compositing,
         checker: &mut Checker,
     ) -> Option<PlanLight> {
         let before = checker.problems.len();
@@ -106,22 +123,68 @@ impl Light {
             intensity,
             Within::Closed(0.0, 1000.0),
         );
-        let radiance = color.linear().map(|part| part * intensity as f32);
-        if self.kind == LightKind::Head {
-            for (given, key) in [
-                (self.space.is_some(), "space"),
-                (self.azimuth_deg.is_some(), "azimuth_deg"),
-                (self.elevation_deg.is_some(), "elevation_deg"),
-            ] {
-                if given {
-                    checker.add(
-                        format!("{path}.{key}"),
-                        "given for a head light",
-                        "nothing: a head light always comes from the eye",
-                    );
-                }
+        let radiance = color
+            .in_space(compositing)
+            .map(|part| part * intensity as f32);
+        let directional = self.kind == LightKind::Directional;
+        let point = self.kind == LightKind::Point;
+        for (given, key, allowed) in [
+            (self.space.is_some() && !directional, "space", "nothing"),
+            (
+                self.azimuth_deg.is_some() && !directional,
+                "azimuth_deg",
+                "nothing",
+            ),
+            (
+                self.elevation_deg.is_some() && !directional,
+                "elevation_deg",
+                "nothing",
+            ),
+            (self.position.is_some() && !point, "position", "nothing"),
+            (self.reach_mm.is_some() && !point, "reach_mm", "nothing"),
+        ] {
+            if given {
+                let (kind, why) = match self.kind {
+                    LightKind::Directional => {
+                        ("a directional", "it comes from infinitely far away")
+                    }
+                    LightKind::Point => ("a point", "it shines in every direction"),
+                    LightKind::Head => ("a head", "it always comes from the eye"),
+                };
+                checker.add(
+                    format!("{path}.{key}"),
+                    format!("given for {kind} light"),
+                    &format!("{allowed}: {why}"),
+                );
             }
-            return (checker.problems.len() == before).then_some(PlanLight::Head { radiance });
+        }
+        match self.kind {
+            LightKind::Directional => {}
+            LightKind::Head => {
+                return (checker.problems.len() == before).then_some(PlanLight::Head { radiance });
+            }
+            LightKind::Point => {
+                let reach = self.reach_mm.unwrap_or(500.0);
+                checker.number(
+                    &format!("{path}.reach_mm"),
+                    reach,
+                    Within::Closed(1e-3, 1e6),
+                );
+                let Some(position) = self.position else {
+                    checker.add(
+                        format!("{path}.position"),
+                        "missing",
+                        "the place of the point light, three numbers in RAS mm",
+                    );
+                    return None;
+                };
+                checker.point(&format!("{path}.position"), position);
+                return (checker.problems.len() == before).then_some(PlanLight::Point {
+                    place_mm: DVec3::from_array(position),
+                    reach_mm: reach as f32,
+                    radiance,
+                });
+            }
         }
         let azimuth = self.azimuth_deg.unwrap_or(0.0);
         let elevation = self.elevation_deg.unwrap_or(0.0);

@@ -6,9 +6,12 @@
 
 use crate::transfer::TransferTable;
 use glam::{DAffine3, DVec3};
+use std::sync::Arc;
+use strahl_shader::Module;
 use strahl_volume::{Grid, Rescale};
 
-/// Everything a renderer needs beside the voxels.
+/// Everything a renderer needs beside the data (voxels, masks, triangles), which is handed to it as
+/// [`Datasets`](strahl_volume::Datasets).
 #[derive(Clone, Debug)]
 pub struct Plan {
     /// Pixels per row, 1 to 65,535.
@@ -17,30 +20,102 @@ pub struct Plan {
     pub height: u32,
     /// Where the rays start and go.
     pub camera: PlanCamera,
-    /// Place and meaning of the voxels.
-    pub volume: PlanVolume,
+    /// The volumes that are drawn, 1 to [`MOST_OBJECTS`]; more than one only with composites that
+    /// [mix](Composite::mixes_objects).
+    pub objects: Vec<PlanObject>,
+    /// Opaque surfaces among them, any number.
+    pub meshes: Vec<PlanMesh>,
     /// Where along the ray samples lie.
     pub lattice: Lattice,
+    /// What a voxel holds.
+    pub fetch: Fetch,
     /// How a value between voxels is found.
     pub reconstruct: Reconstruct,
     /// Value → colour and opacity.
-    pub classify: TransferTable,
+    pub classify: Classify,
     /// How the gradient is found.
     pub gradient: Gradient,
     /// How a sample's colour follows from its surface colour, gradient and the lights.
     pub shade: Shade,
-    /// The lights, none if unlit.
+    /// The lights, none if unlit and without meshes.
     pub lights: Vec<PlanLight>,
     /// How the samples of a ray become a pixel.
     pub composite: Composite,
-    /// Half-spaces that every ray is cut to before its lattice is laid.
+    /// Half-spaces that rays are cut to before the lattice is laid.
     pub ray_clips: Vec<ClipPlane>,
-    /// Boxes that drop single samples.
-    pub sample_clips: Vec<ClipBox>,
-    /// Behind everything; linear, premultiplied. Alpha 0 leaves the picture transparent.
+    /// Shapes that drop single samples.
+    pub sample_clips: Vec<SampleClip>,
+    /// The user's own shader functions, each in place of what the field of its slot says (clips and
+    /// lights: beside them). A renderer without a twin for one refuses the Plan by name.
+    pub modules: Vec<PlanModule>,
+    /// Behind everything; premultiplied, in the space of `compositing`. Alpha 0 leaves the picture
+    /// transparent.
     pub background: [f32; 4],
+    /// What the colours of tables, lights, meshes and background are, and therefore in which numbers
+    /// samples are added up. Pictures are linear whatever this says: see
+    /// [`Image::into_linear`](crate::Image::into_linear).
+    pub compositing: Compositing,
+    /// Whether the distance of the hit is wanted beside the colour.
+    pub with_depth: bool,
     /// How linear light becomes a picture file.
     pub display: Display,
+}
+
+/// Volumes in one picture: a bit each in [`ObjectSet`], a texture each on a GPU.
+pub const MOST_OBJECTS: usize = 8;
+
+/// Masks in one picture.
+pub const MOST_MASKS: usize = 4;
+
+/// A set of objects: bit i is object i.
+pub type ObjectSet = u32;
+
+/// Every object.
+pub const ALL_OBJECTS: ObjectSet = ObjectSet::MAX;
+
+/// A volume in the picture.
+#[derive(Clone, Debug)]
+pub struct PlanObject {
+    /// Which of the volumes; several objects may show the same.
+    pub volume: usize,
+    /// Where its voxels lie in the world, with the object's transforms.
+    pub grid: Grid,
+    /// Whether there are transforms: without, `grid` is the volume's own.
+    pub is_moved: bool,
+    /// What a stored number means.
+    pub rescale: Rescale,
+    /// Its transfer function.
+    pub table: TransferTable,
+}
+
+/// An opaque surface of triangles, seen from both sides.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlanMesh {
+    /// Which of the meshes.
+    pub mesh: usize,
+    /// Its place.
+    pub world_from_mesh: DAffine3,
+    /// Its colour, lit by the lights of the Plan as [`Illuminate::Lambert`] with diffuse 0.75 and ambient 0.25.
+    pub color: [f32; 3],
+}
+
+/// A shader function of the user.
+#[derive(Clone, Debug)]
+pub struct PlanModule {
+    /// The function, checked; it names its slot.
+    pub module: Arc<Module>,
+    /// Values of parameters, checked; those that are not here have their default.
+    pub values: Vec<(String, Vec<f64>)>,
+}
+
+/// In which numbers colours are added up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Compositing {
+    /// Linear light: what light does.
+    Linear,
+    /// sRGB-encoded numbers, as programs do that know no colour spaces; for pictures that have to
+    /// match theirs.
+    Display,
 }
 
 /// A camera in world space. `right`, `up`, `forward` are unit vectors, pairwise perpendicular, and
@@ -104,24 +179,17 @@ impl PlanCamera {
     }
 }
 
-/// Place and meaning of the voxels; the samples themselves are handed to the renderer beside the
-/// Plan and must lie on this grid.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PlanVolume {
-    /// Where the samples lie.
-    pub grid: Grid,
-    /// What a stored number means.
-    pub rescale: Rescale,
-}
-
 /// Sample k of a ray lies at t = t_entry + (k + jitter)·step_mm, k = 0, 1, … while t < t_exit.
-/// t_entry is where the ray, starting at t ≥ 0, enters the sampled extent cut by the ray clips.
+/// t_entry is where the ray, starting at t ≥ 0, first enters the sampled extent of an object, cut by
+/// the ray clips for it; t_exit where it has left all.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lattice {
     /// Distance between samples in mm, > 0.
     pub step_mm: f64,
     /// Where in its step a sample lies.
     pub jitter: Jitter,
+    /// The picture is the mean of this many, each with its own jitter; 1 to 65,536.
+    pub frames: u32,
 }
 
 /// Where in its step the samples of a ray lie, in [0, 1).
@@ -129,8 +197,38 @@ pub struct Lattice {
 pub enum Jitter {
     /// In the middle: 0.5 for every ray.
     Centre,
-    /// A hash of column, row and this seed, so that a picture can be made again.
+    /// A hash of column, row, this seed and the frame, so that a picture can be made again.
     Hash(u32),
+    /// The trigonometric hash fract(cos(11.55·x + 42.123·y)·35684.525), moved on by the golden ratio
+    /// each frame. It depends on how a machine computes cosines.
+    SineHash,
+    /// A tile of 32 × 32 random numbers with this seed, repeated over the picture.
+    WhiteTile(u32),
+    /// A tile of 64 × 64 numbers of blue noise with this seed, repeated over the picture.
+    BlueTile(u32),
+}
+
+/// What a voxel holds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Fetch {
+    /// What is stored.
+    Stored,
+    /// The test signal of S. Marschner and R. Lobb (1994) over the grid's extent, whatever is stored.
+    MarschnerLobb {
+        /// f_M.
+        frequency: f32,
+        /// α.
+        alpha: f32,
+    },
+    /// Value noise over lattices of voxels, whatever is stored; 0 to 1.
+    Noise {
+        /// Voxels from one random number to the next, of the coarsest octave.
+        cell_voxels: f32,
+        /// Octaves, 1 to 8, each of half the size and half the strength.
+        octaves: u32,
+        /// Other seeds give other noise.
+        seed: u32,
+    },
 }
 
 /// How a value between voxels is found.
@@ -140,14 +238,82 @@ pub enum Reconstruct {
     Nearest,
     /// Linear in x, y, z over the eight voxels around; clamped at the border.
     Trilinear,
+    /// Cubic B-spline over the stored numbers: smooth, and softer than the data.
+    BSpline,
+    /// Cubic B-spline over prefiltered coefficients, so that it goes through the voxels' values.
+    BSplineInterpolating,
+    /// Catmull–Rom spline: goes through the voxels' values, and overshoots.
+    CatmullRom,
 }
 
-/// How the gradient (of the value, in world space, per mm) is found.
+/// Value → colour and opacity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Classify {
+    /// The object's transfer function.
+    Table,
+    /// The value itself as grey and opacity.
+    Identity {
+        /// The value that is black and transparent.
+        black: f32,
+        /// The value that is white and opaque; not `black`.
+        white: f32,
+    },
+    /// As `Identity` above a threshold, nothing up to it.
+    Threshold {
+        /// Values up to this are transparent.
+        threshold: f32,
+        /// The value that is black.
+        black: f32,
+        /// The value that is white; not `black`.
+        white: f32,
+    },
+    /// The object's transfer function, its opacity times a ramp over the gradient magnitude: a
+    /// two-dimensional transfer function as a product.
+    GradientTable {
+        /// Where the ramp is 0.
+        low_per_mm: f32,
+        /// Where the ramp is 1; > `low_per_mm`.
+        high_per_mm: f32,
+    },
+    /// The eight voxels around are classified and the premultiplied colours interpolated: what
+    /// programs did that classify first, for comparison.
+    PreClassified,
+}
+
+/// How the gradient (in world space, per mm) is found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Gradient {
-    /// Central differences of reconstructed values one voxel spacing to either side along each
-    /// voxel axis, turned into world space by the inverse transpose of `world_from_voxel`.
+pub struct Gradient {
+    /// The estimate.
+    pub method: GradientMethod,
+    /// Of what.
+    pub input: GradientInput,
+}
+
+/// An estimate of the gradient: differences of the input along the voxel axes, turned into world
+/// space by the inverse transpose of `world_from_voxel`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum GradientMethod {
+    /// f(p + 1) − f(p).
+    Forward,
+    /// f(p) − f(p − 1).
+    Backward,
+    /// (f(p + 1) − f(p − 1)) / 2.
     Central,
+    /// The mean of central differences at p and at the eight corners half a voxel around.
+    Central9,
+    /// Sobel's 3 × 3 × 3 masks, scaled so that a ramp gives its slope.
+    Sobel,
+    /// The derivative of the cubic B-spline over the input at voxel centres.
+    BSpline,
+}
+
+/// What the gradient is taken of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum GradientInput {
+    /// The value.
+    Value,
+    /// The opacity that the transfer function gives it.
+    Opacity,
 }
 
 /// How a sample's colour is made.
@@ -155,17 +321,58 @@ pub enum Gradient {
 pub enum Shade {
     /// The classified colour.
     Unlit,
-    /// Blinn–Phong with the gradient as normal, turned towards the eye (two-sided). A zero gradient
-    /// means unlit. Ambient and diffuse are multiplied by the surface colour, specular is white.
-    BlinnPhong {
+    /// Ambient light and all lights, with the gradient as normal, turned towards the eye (two-sided).
+    Lit {
         /// Share of the surface colour that is always there, ≥ 0.
         ambient: f32,
+        /// What a surface does with one light.
+        illuminate: Illuminate,
+        /// Where the gradient is zero: the last normal of the ray; else, or if there is none yet,
+        /// unlit.
+        keep_last_normal: bool,
+    },
+    /// Unlit, the opacity times min(gradient magnitude / `full_per_mm`, 1).
+    GradientOpacity {
+        /// The gradient magnitude that leaves the opacity as it is, > 0.
+        full_per_mm: f32,
+    },
+}
+
+/// What a surface does with one light. Diffuse parts are multiplied by the surface colour, highlights
+/// are white; nothing where the light comes from behind.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Illuminate {
+    /// diffuse · N·L.
+    Lambert {
+        /// ≥ 0.
+        diffuse: f32,
+    },
+    /// Lambert, and specular · (R·V)^shininess with the mirrored light R.
+    Phong {
+        /// ≥ 0.
+        diffuse: f32,
+        /// ≥ 0.
+        specular: f32,
+        /// > 0.
+        shininess: f32,
+    },
+    /// Lambert, and specular · (N·H)^shininess.
+    BlinnPhong {
         /// Share that follows N·L, ≥ 0.
         diffuse: f32,
         /// Strength of the highlight, ≥ 0.
         specular: f32,
         /// Exponent of N·H, > 0.
         shininess: f32,
+    },
+    /// Lambert, and rough mirror facets: `library/illuminate/cook_torrance.wgsl` has the formula.
+    CookTorrance {
+        /// ≥ 0.
+        diffuse: f32,
+        /// 0.05 to 1.
+        roughness: f32,
+        /// Share of the light that is mirrored head on, 0 to 1.
+        reflectance: f32,
     },
 }
 
@@ -176,6 +383,15 @@ pub enum PlanLight {
     Directional {
         /// Towards the light, world space, unit length.
         to_light: DVec3,
+        /// Linear RGB, ≥ 0.
+        radiance: [f32; 3],
+    },
+    /// A lamp; its light falls with the square of the distance.
+    Point {
+        /// Where it is.
+        place_mm: DVec3,
+        /// The distance at which the radiance is as given, > 0; none is nearer than a thousandth of it.
+        reach_mm: f32,
         /// Linear RGB, ≥ 0.
         radiance: [f32; 3],
     },
@@ -194,17 +410,78 @@ pub enum Composite {
         /// The ray ends when 1 − A falls below this; 0 never ends it early.
         stop_at_transmittance: f32,
     },
-    /// The largest value of the ray, classified once. No opacity correction; unlit.
+    /// The same sum from the back, C = (1−a')·C + a'·c; it visits every sample.
+    BackToFront,
+    /// The largest value of the ray, classified once. No opacity correction.
     Mip,
     /// The smallest value of the ray, classified once.
     MinIp,
     /// The mean of the values of the ray, classified once.
     Average,
+    /// The largest gradient magnitude of the ray as grey.
+    Gmip {
+        /// The magnitude that is white, > 0.
+        white_per_mm: f32,
+    },
+    /// Maximum intensity difference accumulation (S. Bruckner and E. Gröller 2009).
+    Mida {
+        /// The value that counts as 0.
+        low: f32,
+        /// The value that counts as 1; not `low`.
+        high: f32,
+        /// −1 is emission–absorption, 0 the method itself.
+        blend: f32,
+        /// The ray ends when 1 − A is below this and no larger value can come.
+        stop_at_transmittance: f32,
+    },
     /// The first sample whose value reaches `threshold`, moved back to where it is reached between it
     /// and the sample before; shaded, opaque. `docs/plan.md` has the refinement.
     FirstHit {
         /// In values.
         threshold: f64,
+    },
+    /// Not a picture of the data but of how it is made.
+    Debug(DebugView),
+}
+
+impl Composite {
+    /// Whether several objects can be drawn by it: it adds up looks of samples, not values.
+    pub fn mixes_objects(self) -> bool {
+        matches!(
+            self,
+            Composite::EmissionAbsorption { .. } | Composite::BackToFront
+        )
+    }
+}
+
+/// What a debug view shows, opaque. "The first sample" is the first that the transfer function does
+/// not make transparent.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum DebugView {
+    /// Where the ray enters: the position in the volume, 0 to 1 along each axis, as colour.
+    Entry,
+    /// Where the ray leaves.
+    Exit,
+    /// The normal at the first sample, (n + 1)/2.
+    Normal,
+    /// The gradient there as it is, (g·mm + 1)/2.
+    GradientRaw,
+    /// Its magnitude as grey.
+    GradientMagnitude {
+        /// The magnitude that is white, > 0.
+        white_per_mm: f32,
+    },
+    /// How many samples the ray takes, as grey.
+    SampleCount {
+        /// The number that is white, > 0.
+        white: f32,
+    },
+    /// How far away the first sample is, as grey.
+    Depth {
+        /// The distance that is black, mm.
+        near_mm: f32,
+        /// The distance that is white, mm; not `near_mm`.
+        far_mm: f32,
     },
 }
 
@@ -215,15 +492,40 @@ pub struct ClipPlane {
     pub normal: DVec3,
     /// Signed distance of the world's origin from the plane.
     pub offset_mm: f64,
+    /// Which objects it cuts.
+    pub objects: ObjectSet,
 }
 
-/// Drops the samples inside a box, or those outside it.
+/// Drops the samples inside a shape, or those outside it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ClipBox {
-    /// World (mm) → the cube from −0.5 to 0.5.
+pub struct SampleClip {
+    /// The shape.
+    pub shape: ClipShape,
+    /// World (mm) → the cube from −0.5 to 0.5 that holds the shape.
     pub unit_from_world: DAffine3,
     /// Whether the inside is kept (else the outside).
     pub keep_inside: bool,
+    /// Which objects it cuts.
+    pub objects: ObjectSet,
+}
+
+/// A shape in the cube from −0.5 to 0.5.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ClipShape {
+    /// The cube.
+    Box,
+    /// The ball.
+    Ellipsoid,
+    /// The cylinder along z.
+    Cylinder,
+    /// Where the values of a mask, linear between its voxel centres, are above a threshold. The cube is
+    /// the extent of the mask's grid; outside it is no mask.
+    Mask {
+        /// Which of the masks.
+        mask: usize,
+        /// In values of the mask.
+        threshold: f32,
+    },
 }
 
 /// How linear light becomes a picture file; renderers do not use it.

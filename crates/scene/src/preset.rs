@@ -96,7 +96,10 @@ impl PresetInfo {
             Some(Method::Mip) => "mip",
             Some(Method::Minip) => "minip",
             Some(Method::Average) => "x-ray",
-            Some(Method::EmissionAbsorption | Method::FirstHit) | None => by_volume(header),
+            Some(Method::Gmip) => "grey",
+            Some(Method::EmissionAbsorption | Method::Mida | Method::FirstHit) | None => {
+                by_volume(header)
+            }
         };
         PresetInfo::find(name).unwrap_or(&PRESETS[0])
     }

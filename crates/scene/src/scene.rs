@@ -1,9 +1,13 @@
 //! The Scene: what is to be drawn, as people write it. Every key may be left out.
 
 use crate::parse::nearest;
-use crate::{Background, Camera, Clip, Light, Problem, Problems, TransferFunction};
+use crate::{
+    Background, Camera, Clip, FunctionUse, Light, Placement, Problem, Problems, SceneObject,
+    TransferFunction,
+};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use strahl_volume::read::{RawLayout, ReadOptions};
 use strahl_volume::{Phantom, SampleType};
 
@@ -19,18 +23,37 @@ pub struct Scene {
     /// The volume that is drawn.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub volume: Option<VolumeSource>,
+    /// Moves, turns or scales the volume; default: where its file says.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub transform: Option<Placement>,
+    /// What is drawn beside the volume: further volumes, meshes, groups.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub objects: Option<Vec<SceneObject>>,
     /// Object ids on the grid of the volume.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub labels: Option<LabelSource>,
     /// Name of the preset that fills in what is not said; without, it is chosen from the volume.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub preset: Option<String>,
+    /// Reconstruction, gradient and light from the cheapest to the best; keys that are said count more.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub quality: Option<Quality>,
     /// How the samples of a ray become a pixel.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub method: Option<Method>,
     /// The value of the surface that method `first-hit` draws.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub threshold: Option<f64>,
+    /// Method `mida`: −1 is emission–absorption, 0 the method itself (default).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub blend: Option<f64>,
+    /// Instead of the data, how the picture is made.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub debug: Option<DebugView>,
+    /// What is black and what is white in method `gmip` (per mm) and in the debug views
+    /// `gradient-magnitude` (per mm), `sample-count` and `depth` (mm); default chosen from the data.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub grey_range: Option<[f64; 2]>,
     /// Value → colour and opacity.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub transfer_function: Option<TransferFunction>,
@@ -43,12 +66,15 @@ pub struct Scene {
     /// Where the picture is taken from.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub camera: Option<Camera>,
-    /// Planes and boxes that cut parts away.
+    /// Planes, boxes, ellipsoids, cylinders and masks that cut parts away.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub clips: Option<Vec<Clip>>,
     /// How a value between voxels is found.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reconstruct: Option<Reconstruct>,
+    /// How gradients are found, which are the normals of shading.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gradient: Option<Gradient>,
     /// Distance between samples in mm.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub step_mm: Option<f64>,
@@ -58,9 +84,18 @@ pub struct Scene {
     /// Where in its step a sample lies.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub jitter: Option<Jitter>,
+    /// The picture is the mean of this many, each with its own jitter, 1 to 65,536; default 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub frames: Option<u32>,
+    /// Shader functions by slot, such as `classify`: of the library by name, or your own as a `.wgsl` file.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub functions: Option<BTreeMap<String, FunctionUse>>,
     /// A ray ends when less than this share of light still passes (0 to 1; 0 never); default 1/256.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub early_termination: Option<f64>,
+    /// The numbers in which colours are added up; default `linear`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub compositing: Option<Compositing>,
     /// Behind everything.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub background: Option<Background>,
@@ -85,6 +120,9 @@ pub struct VolumeSource {
     /// Voxels along x, y, z: of a phantom, or of a file without a header.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub dims: Option<[usize; 3]>,
+    /// Level of detail: 0 is all of it, 1 half as many voxels along each axis, 1.5 between 1 and 2.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub level: Option<f64>,
     /// Time point of a 4-D file, from 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub time: Option<usize>,
@@ -133,6 +171,11 @@ impl VolumeSource {
     }
 
     pub(crate) fn check(&self, problems: &mut Vec<Problem>) {
+        if let Some(level) = self.level
+            && !(0.0..=16.0).contains(&level)
+        {
+            problems.push(Problem::new("volume.level", level, "0 to 16"));
+        }
         match (&self.path, &self.phantom) {
             (Some(path), Some(phantom)) => problems.push(Problem::new(
                 "volume",
@@ -232,17 +275,23 @@ pub enum Method {
     Minip,
     /// The mean value of the ray, as an X-ray film.
     Average,
+    /// The largest gradient magnitude of the ray.
+    Gmip,
+    /// Maximum intensity difference accumulation: larger values shine through what lies before them.
+    Mida,
     /// The first place where the value reaches `threshold`, as a solid surface.
     FirstHit,
 }
 
 impl Method {
     /// Every method.
-    pub const ALL: [Method; 5] = [
+    pub const ALL: [Method; 7] = [
         Method::EmissionAbsorption,
         Method::Mip,
         Method::Minip,
         Method::Average,
+        Method::Gmip,
+        Method::Mida,
         Method::FirstHit,
     ];
 
@@ -253,13 +302,18 @@ impl Method {
             Method::Mip => "mip",
             Method::Minip => "minip",
             Method::Average => "average",
+            Method::Gmip => "gmip",
+            Method::Mida => "mida",
             Method::FirstHit => "first-hit",
         }
     }
 
-    /// Whether one value per ray is classified; light has no say then.
+    /// Whether one number per ray makes the pixel; without a word about shading it is unlit then.
     pub fn is_projection(self) -> bool {
-        matches!(self, Method::Mip | Method::Minip | Method::Average)
+        matches!(
+            self,
+            Method::Mip | Method::Minip | Method::Average | Method::Gmip
+        )
     }
 }
 
@@ -275,6 +329,110 @@ impl std::str::FromStr for Method {
                 format!("{name:?} is not a method; known are {names}")
             })
     }
+}
+
+/// How a picture is made, as a picture. "The first sample" is the first that is not transparent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum DebugView {
+    /// Where rays enter, as colour.
+    Entry,
+    /// Where rays leave.
+    Exit,
+    /// The normal at the first sample.
+    Normal,
+    /// The gradient there, not normalised.
+    GradientRaw,
+    /// Its magnitude.
+    GradientMagnitude,
+    /// How many samples a ray takes.
+    SampleCount,
+    /// How far away the first sample is.
+    Depth,
+}
+
+impl DebugView {
+    /// Every view with the name used in scenes and on the command line.
+    pub const ALL: [(DebugView, &'static str); 7] = [
+        (DebugView::Entry, "entry"),
+        (DebugView::Exit, "exit"),
+        (DebugView::Normal, "normal"),
+        (DebugView::GradientRaw, "gradient-raw"),
+        (DebugView::GradientMagnitude, "gradient-magnitude"),
+        (DebugView::SampleCount, "sample-count"),
+        (DebugView::Depth, "depth"),
+    ];
+
+    /// The view of this name.
+    pub fn from_name(name: &str) -> Option<DebugView> {
+        let found = DebugView::ALL.into_iter().find(|(_, known)| *known == name);
+        found.map(|(view, _)| view)
+    }
+}
+
+/// From the cheapest to the best: the four settings that S0's measurements are made with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Quality {
+    /// No march: where rays enter, as colour.
+    Null,
+    /// Nearest voxel, the value as grey, no light.
+    Minimum,
+    /// Trilinear, transfer function, central differences, Blinn–Phong: the defaults.
+    Medium,
+    /// Tricubic, the mean of nine central differences, Cook–Torrance.
+    Maximum,
+}
+
+/// The numbers in which colours are added up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Compositing {
+    /// Linear light.
+    Linear,
+    /// Numbers of the screen (sRGB), as many programs do; for pictures that have to match theirs.
+    Display,
+}
+
+/// How gradients are found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Gradient {
+    /// The estimate; default `central`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub method: Option<GradientMethod>,
+    /// Of what; default `value`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub of: Option<GradientInput>,
+}
+
+/// An estimate of the gradient.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum GradientMethod {
+    /// The next voxel minus this one.
+    Forward,
+    /// This voxel minus the one before.
+    Backward,
+    /// Half the difference of both neighbours.
+    Central,
+    /// The mean of nine central differences.
+    #[serde(rename = "central-9")]
+    Central9,
+    /// Sobel's masks of 27 voxels.
+    Sobel,
+    /// The derivative of a cubic B-spline over 64 voxels.
+    BSpline,
+}
+
+/// What the gradient is taken of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum GradientInput {
+    /// The value.
+    Value,
+    /// The opacity that the transfer function gives it.
+    Opacity,
 }
 
 /// How light and surface make a colour.
@@ -296,6 +454,19 @@ pub struct Shading {
     /// Exponent of the highlight, above 0 to 1000: the larger, the smaller the highlight.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub shininess: Option<f64>,
+    /// `cook-torrance`: how rough the surface is, 0.05 to 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub roughness: Option<f64>,
+    /// `cook-torrance`: share of the light that is mirrored head on, 0 to 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reflectance: Option<f64>,
+    /// Where there is no gradient, the last normal of the ray lights the sample; default false.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub keep_last_normal: Option<bool>,
+    /// `gradient-opacity`: the gradient magnitude that leaves the opacity as it is, in values per mm;
+    /// default chosen from the data.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub full_per_mm: Option<f64>,
 }
 
 /// A shading model.
@@ -304,8 +475,45 @@ pub struct Shading {
 pub enum ShadingModel {
     /// The colour of the transfer function as it is.
     Unlit,
-    /// Ambient, diffuse and specular light with the gradient as normal.
+    /// Ambient and diffuse light with the gradient as normal.
+    Lambert,
+    /// And a highlight around the mirrored light.
+    Phong,
+    /// And a highlight by the half vector.
     BlinnPhong,
+    /// And rough mirror facets.
+    CookTorrance,
+    /// The colour as it is, the opacity by the gradient: borders stay, insides fade.
+    GradientOpacity,
+}
+
+impl ShadingModel {
+    /// Every model.
+    pub const ALL: [ShadingModel; 6] = [
+        ShadingModel::Unlit,
+        ShadingModel::Lambert,
+        ShadingModel::Phong,
+        ShadingModel::BlinnPhong,
+        ShadingModel::CookTorrance,
+        ShadingModel::GradientOpacity,
+    ];
+
+    /// The name used in scenes and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            ShadingModel::Unlit => "unlit",
+            ShadingModel::Lambert => "lambert",
+            ShadingModel::Phong => "phong",
+            ShadingModel::BlinnPhong => "blinn-phong",
+            ShadingModel::CookTorrance => "cook-torrance",
+            ShadingModel::GradientOpacity => "gradient-opacity",
+        }
+    }
+
+    /// Whether light falls on surfaces.
+    pub fn is_lit(self) -> bool {
+        !matches!(self, ShadingModel::Unlit | ShadingModel::GradientOpacity)
+    }
 }
 
 /// How a value between voxels is found.
@@ -316,6 +524,12 @@ pub enum Reconstruct {
     Nearest,
     /// Linear between the eight voxels around.
     Trilinear,
+    /// Cubic B-spline: smooth, and softer than the data.
+    BSpline,
+    /// Cubic B-spline that goes through the voxels' values.
+    BSplineInterpolating,
+    /// Catmull–Rom spline: sharper, and overshoots at steep edges.
+    CatmullRom,
 }
 
 /// Where in its step a sample lies.
@@ -326,6 +540,12 @@ pub enum Jitter {
     Off,
     /// At a place that differs from ray to ray, the same for the same seed.
     Seed(u32),
+    /// A trigonometric hash of column and row.
+    SineHash,
+    /// A repeated tile of random numbers with this seed.
+    WhiteTile(u32),
+    /// A repeated tile of blue noise with this seed: the least visible grain.
+    BlueTile(u32),
 }
 
 /// How linear light becomes a picture file.

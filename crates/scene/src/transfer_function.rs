@@ -1,7 +1,7 @@
 //! The transfer function, as people write it, and its way to a [`TransferTable`].
 
-use crate::color::linear_from_srgb;
 use crate::light::check_color;
+use crate::plan::Compositing;
 use crate::problem::{Checker, Within};
 use crate::transfer::TransferTable;
 use crate::window::{Window, round_to_width};
@@ -223,6 +223,7 @@ impl TransferFunction {
     pub(crate) fn plan(
         &self,
         header: &VolumeHeader,
+        compositing: Compositing,
         checker: &mut Checker,
     ) -> Option<TransferTable> {
         let before = checker.problems.len();
@@ -242,7 +243,7 @@ impl TransferFunction {
             );
             return None;
         }
-        Some(self.curves().table(header, reference_mm))
+        Some(self.curves().table(header, reference_mm, compositing))
     }
 
     /// This transfer function with what it does not say taken from a preset's. Points replace the
@@ -481,7 +482,12 @@ impl Curves {
     /// Integer volumes: entries lie at the stored values and evenly between them, so a peak one
     /// stored value wide survives and is exact at voxels; up to 65,536 stored values. Other volumes:
     /// at least 4096 entries, and four to the narrowest piece up to 65,536 entries.
-    fn table(&self, header: &VolumeHeader, reference_mm: f32) -> TransferTable {
+    fn table(
+        &self,
+        header: &VolumeHeader,
+        reference_mm: f32,
+        compositing: Compositing,
+    ) -> TransferTable {
         let [range_lo, range_hi] = header.statistics.range;
         let knots = self.knots();
         let (mut lo, mut hi) = (knots[0], knots[knots.len() - 1]);
@@ -525,13 +531,9 @@ impl Curves {
         let tolerance = 1e-6 * spacing;
         let entries = (0..=steps as usize)
             .map(|i| {
-                let ([r, g, b], opacity) = self.at(first + i as f64 * spacing, tolerance);
-                [
-                    linear_from_srgb(r) as f32,
-                    linear_from_srgb(g) as f32,
-                    linear_from_srgb(b) as f32,
-                    opacity as f32,
-                ]
+                let (color, opacity) = self.at(first + i as f64 * spacing, tolerance);
+                let [r, g, b] = Color(color).in_space(compositing);
+                [r, g, b, opacity as f32]
             })
             .collect();
         TransferTable::new([domain_lo, domain_hi], reference_mm, entries)

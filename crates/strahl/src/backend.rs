@@ -4,7 +4,7 @@ use crate::Error;
 use std::ops::ControlFlow;
 use strahl_gpu::{Device, adapters};
 use strahl_scene::{Image, plan::Plan};
-use strahl_volume::Volume;
+use strahl_volume::Datasets;
 
 /// Which renderer draws.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -49,29 +49,30 @@ impl Stats {
 /// Draws `plan`; `progress` is told the share that is drawn. A note says what was not done as asked.
 pub(crate) fn draw(
     backend: &Backend,
-    volume: &Volume,
+    data: &Datasets,
     plan: &Plan,
     options: &strahl_cpu::Options,
     progress: &(dyn Fn(f64) + Sync),
 ) -> Result<(Image, Stats, Option<String>), Error> {
     let on_cpu = || {
-        let drawn = strahl_cpu::Renderer::new(volume).render(plan, options, &|drawn, total| {
-            progress(drawn as f64 / total as f64);
-            ControlFlow::Continue(())
-        })?;
+        let drawn =
+            strahl_cpu::Renderer::new(data.clone()).render(plan, options, &|drawn, total| {
+                progress(drawn as f64 / total as f64);
+                ControlFlow::Continue(())
+            })?;
         Ok((drawn.image, Stats::Cpu(drawn.stats)))
     };
     match backend {
         Backend::Cpu => on_cpu().map(|(image, stats)| (image, stats, None)),
         Backend::Gpu { adapter } => {
-            let (image, stats) = on_gpu(adapter.as_deref(), volume, plan, progress)?;
+            let (image, stats) = on_gpu(adapter.as_deref(), data, plan, progress)?;
             Ok((image, stats, None))
         }
         Backend::Auto => {
             let hardware = adapters().into_iter().find(|a| !a.is_software);
             let why = match hardware {
                 None => "there is no graphics processor".to_owned(),
-                Some(adapter) => match on_gpu(Some(&adapter.name), volume, plan, progress) {
+                Some(adapter) => match on_gpu(Some(&adapter.name), data, plan, progress) {
                     Ok((image, stats)) => return Ok((image, stats, None)),
                     Err(error) => error.to_string(),
                 },
@@ -84,15 +85,16 @@ pub(crate) fn draw(
 
 fn on_gpu(
     adapter: Option<&str>,
-    volume: &Volume,
+    data: &Datasets,
     plan: &Plan,
     progress: &(dyn Fn(f64) + Sync),
 ) -> Result<(Image, Stats), strahl_gpu::Error> {
     let device = Device::open(adapter)?;
-    let drawn = strahl_gpu::Renderer::new(&device, volume)?.render(plan, |drawn, total| {
-        progress(drawn as f64 / total as f64);
-        ControlFlow::Continue(())
-    })?;
+    let drawn =
+        strahl_gpu::Renderer::new(&device, data.volumes[0])?.render(plan, |drawn, total| {
+            progress(drawn as f64 / total as f64);
+            ControlFlow::Continue(())
+        })?;
     let adapter = device.adapter().to_string();
     Ok((
         drawn.image,

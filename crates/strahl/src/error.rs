@@ -37,6 +37,9 @@ pub enum Error {
         /// What is wrong.
         problems: strahl_scene::Problems,
     },
+    /// A shader function is not one, or functions cannot be linked.
+    #[error(transparent)]
+    Shader(#[from] strahl_shader::Error),
     /// No picture was drawn.
     #[error(transparent)]
     Draw(#[from] strahl_cpu::Error),

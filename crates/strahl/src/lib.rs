@@ -48,6 +48,7 @@ mod load;
 mod output;
 mod picture;
 mod render;
+mod scene_data;
 mod scene_file;
 
 pub use backend::{Backend, Stats};

@@ -1,6 +1,7 @@
 //! From a volume or a scene to a picture: [`Render`] and [`render_file`].
 
 use crate::backend::{Backend, Stats, draw};
+use crate::scene_data::SceneData;
 use crate::scene_file::{SceneFile, seen_from};
 use crate::{Encoding, Error, Output, Recipe, load_with_progress, write_picture};
 use std::borrow::Cow;
@@ -9,10 +10,10 @@ use std::time::Instant;
 use strahl_cpu::Options;
 use strahl_scene::{
     Background, Camera, Clip, Image, Method, Scene, TransferFunction, View, VolumeSource, plan,
-    resolve, settled,
+    resolve_with, settled_with,
 };
 use strahl_volume::read::ReadOptions;
-use strahl_volume::{Grid, LabelVolume, Phantom, Volume};
+use strahl_volume::{Phantom, Volume};
 
 /// Draws the volume at `volume_path` (a file, or a folder with one DICOM series or numbered slices)
 /// into the picture `picture_path` (`.png` or `.exr`), with everything chosen from the data.
@@ -225,21 +226,24 @@ impl<'a> Render<'a> {
     /// Whatever is wrong with the volume or the scene.
     pub fn picture(&self) -> Result<Picture, Error> {
         let start = Instant::now();
-        let (volume, mut notes) = self.load()?;
-        let labels = self.label_grid()?;
-        if labels.is_some() {
-            notes.push("the labels lie on the volume's grid; drawing them is not there yet".into());
-        }
+        let (volume, notes) = self.load()?;
+        let data = SceneData::load(&self.scene, volume, notes)?;
         let read_seconds = start.elapsed().as_secs_f64();
-        let (header, scene) = (volume.header(), self.known_scene());
-        let plan = self.checked(resolve(&scene, &header, labels.as_ref()))?;
+        let (headers, scene) = (data.headers(), self.known_scene());
+        let plan = self.checked(resolve_with(&scene, &headers))?;
         let progress = |part| (self.progress)(Stage::Drawing, part);
-        let (image, stats, note) = draw(&self.backend, &volume, &plan, &self.options, &progress)?;
-        notes.extend(note);
+        let (image, stats, note) = draw(
+            &self.backend,
+            &data.datasets(),
+            &plan,
+            &self.options,
+            &progress,
+        )?;
+        let notes = data.notes.into_iter().chain(note).collect();
         Ok(Picture {
             image,
             display: plan.display,
-            scene: settled(&scene, &header),
+            scene: settled_with(&scene, &headers),
             notes,
             stats,
             read_seconds,
@@ -252,10 +256,23 @@ impl<'a> Render<'a> {
     /// # Errors
     /// As [`Render::picture`].
     pub fn settled_scene(&self) -> Result<Scene, Error> {
-        let (volume, _) = self.load()?;
-        let (header, scene) = (volume.header(), self.known_scene());
-        self.checked(resolve(&scene, &header, self.label_grid()?.as_ref()))?;
-        Ok(settled(&scene, &header))
+        Ok(self.settle()?.0)
+    }
+
+    /// The plan of the scene, with what resolving it has read. Draws nothing.
+    ///
+    /// # Errors
+    /// As [`Render::picture`].
+    pub fn plan(&self) -> Result<plan::Plan, Error> {
+        Ok(self.settle()?.1)
+    }
+
+    fn settle(&self) -> Result<(Scene, plan::Plan), Error> {
+        let (volume, notes) = self.load()?;
+        let headers = SceneData::load(&self.scene, volume, notes)?.headers();
+        let scene = self.known_scene();
+        let plan = self.checked(resolve_with(&scene, &headers))?;
+        Ok((settled_with(&scene, &headers), plan))
     }
 
     /// Draws into the file `path`: PNG in 8 bit or EXR in 32 bit, by its name.
@@ -337,18 +354,6 @@ impl<'a> Render<'a> {
 
     fn read_options(&self, source: &VolumeSource) -> Result<ReadOptions, Error> {
         self.checked(source.read_options())
-    }
-
-    /// The grid of the label volume, if the scene names one. (No renderer draws labels yet; what is
-    /// checked is that they belong to the volume.)
-    fn label_grid(&self) -> Result<Option<Grid>, Error> {
-        let Some(labels) = &self.scene.labels else {
-            return Ok(None);
-        };
-        let loaded = crate::load(&labels.path, &ReadOptions::default())?;
-        let labels = LabelVolume::from_volume(loaded.volume, loaded.labels.unwrap_or_default())
-            .map_err(|error| error.in_file(&labels.path))?;
-        Ok(Some(*labels.grid()))
     }
 
     fn checked<T>(&self, result: Result<T, strahl_scene::Problems>) -> Result<T, Error> {

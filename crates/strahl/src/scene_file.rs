@@ -4,7 +4,7 @@ use crate::{Error, Recipe};
 use std::fs::{self, File};
 use std::io::Read;
 use std::path::{Component, Path, PathBuf};
-use strahl_scene::Scene;
+use strahl_scene::{Clip, Scene};
 
 /// A scene and where it comes from.
 #[derive(Clone, Debug)]
@@ -130,10 +130,29 @@ pub fn seen_from(folder: &Path, scene: &Scene) -> Scene {
     scene
 }
 
-fn paths_of(scene: &mut Scene) -> impl Iterator<Item = &mut String> {
-    let volume = scene.volume.as_mut().and_then(|v| v.path.as_mut());
-    let labels = scene.labels.as_mut().map(|labels| &mut labels.path);
-    volume.into_iter().chain(labels)
+/// Every path in a scene: volumes, labels, meshes, masks, shader functions.
+fn paths_of(scene: &mut Scene) -> Vec<&mut String> {
+    let mut paths = Vec::new();
+    paths.extend(
+        scene
+            .volume
+            .as_mut()
+            .and_then(|volume| volume.path.as_mut()),
+    );
+    for object in scene.objects.iter_mut().flatten() {
+        paths.extend(
+            object
+                .volume
+                .as_mut()
+                .and_then(|volume| volume.path.as_mut()),
+        );
+        paths.extend(object.mesh.as_mut());
+    }
+    paths.extend(scene.labels.as_mut().map(|labels| &mut labels.path));
+    paths.extend(scene.clips.iter_mut().flatten().filter_map(Clip::mask_path));
+    let functions = scene.functions.iter_mut().flat_map(|map| map.values_mut());
+    paths.extend(functions.filter(|f| f.is_file()).map(|f| &mut f.module));
+    paths
 }
 
 fn whole(path: &Path) -> PathBuf {

@@ -22,6 +22,7 @@
 #![warn(missing_docs)]
 
 pub mod bricks;
+mod datasets;
 mod error;
 mod grid;
 mod labels;
@@ -36,6 +37,7 @@ pub mod phantom;
 pub mod read;
 pub mod write;
 
+pub use datasets::Datasets;
 pub use error::{Error, ErrorKind};
 pub use grid::{Grid, voxel_count};
 pub use labels::{Label, LabelIds, LabelVolume};

@@ -1,29 +1,66 @@
 //! Slot clip_sample: which samples of a ray are dropped.
 
-mod boxes;
+mod mask;
+mod shapes;
 
 use crate::lanes::{Affine, Mask, Vec3s};
-use strahl_scene::plan::Plan;
+use crate::library::reconstruct::Values;
+use strahl_scene::plan::{ClipShape, Plan};
+use strahl_volume::Grid;
 
-/// The sample clips of a Plan, in voxel space.
-pub struct SampleClips(Vec<boxes::Box>);
+/// The sample clips of one object, in its voxel space.
+pub struct SampleClips<'v>(Vec<Clip<'v>>);
 
-impl SampleClips {
-    /// The clips of `plan`.
-    pub fn new(plan: &Plan) -> SampleClips {
-        let world_from_voxel = plan.volume.grid.world_from_voxel();
-        let boxes = plan.sample_clips.iter().map(|clip| boxes::Box {
-            unit_from_voxel: Affine::new(clip.unit_from_world * world_from_voxel),
+struct Clip<'v> {
+    shape: Shape<'v>,
+    /// Voxel space → the cube from −0.5 to 0.5.
+    unit_from_voxel: Affine,
+    /// Whether the inside is kept (else the outside).
+    keep_inside: bool,
+}
+
+enum Shape<'v> {
+    Box,
+    Ellipsoid,
+    Cylinder,
+    Mask(&'v dyn Values, f32),
+}
+
+impl<'v> SampleClips<'v> {
+    /// The clips of `plan` for object number `object`, which lies on `grid`.
+    pub fn new(
+        plan: &Plan,
+        object: usize,
+        grid: &Grid,
+        masks: &'v [Box<dyn Values + 'v>],
+    ) -> SampleClips<'v> {
+        let of_object = |clip: &&strahl_scene::plan::SampleClip| clip.objects >> object & 1 == 1;
+        let clips = plan.sample_clips.iter().filter(of_object);
+        let clip = |clip: &strahl_scene::plan::SampleClip| Clip {
+            shape: match clip.shape {
+                ClipShape::Box => Shape::Box,
+                ClipShape::Ellipsoid => Shape::Ellipsoid,
+                ClipShape::Cylinder => Shape::Cylinder,
+                ClipShape::Mask { mask, threshold } => Shape::Mask(&*masks[mask], threshold),
+            },
+            unit_from_voxel: Affine::new(clip.unit_from_world * grid.world_from_voxel()),
             keep_inside: clip.keep_inside,
-        });
-        SampleClips(boxes.collect())
+        };
+        SampleClips(clips.map(clip).collect())
     }
 
     /// Where a sample at `position` (voxel space) is kept.
     #[inline(always)]
     pub fn keep(&self, position: Vec3s, mut kept: Mask) -> Mask {
         for clip in &self.0 {
-            kept = kept & clip.keep(position);
+            let unit = clip.unit_from_voxel.point(position);
+            let inside = match clip.shape {
+                Shape::Box => shapes::in_box(unit),
+                Shape::Ellipsoid => shapes::in_ellipsoid(unit),
+                Shape::Cylinder => shapes::in_cylinder(unit),
+                Shape::Mask(mask, threshold) => mask::above(mask, unit, threshold),
+            };
+            kept = kept & if clip.keep_inside { inside } else { !inside };
         }
         kept
     }

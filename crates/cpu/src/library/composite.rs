@@ -4,13 +4,14 @@
 //! ray), done (which rays need no more), finish.
 
 pub mod average;
+pub mod debug;
 pub mod emission_absorption;
 pub mod first_hit;
 pub mod maximum;
+pub mod mida;
 pub mod minimum;
 
-use crate::lanes::{F32s, Mask, Vec3s, scale};
-use crate::library::classify::{Surface, Table};
+use crate::lanes::{F32s, Mask, Vec3s};
 
 /// What a rule remembers along the rays; each uses what it needs.
 #[derive(Clone, Copy)]
@@ -21,10 +22,14 @@ pub struct State {
     pub alpha: F32s,
     /// The value so far (largest, smallest, sum).
     pub value: F32s,
+    /// Lattice coordinate at which that value, or the hit, lies.
+    pub place: F32s,
     /// What rounding has lost from a sum.
     pub lost: F32s,
     /// Number of samples added.
     pub number: F32s,
+    /// The last normal of each ray, 0 if there was none.
+    pub last_normal: Vec3s,
 }
 
 impl State {
@@ -35,21 +40,25 @@ impl State {
             colour: [F32s::ZERO; 3],
             alpha: F32s::ZERO,
             value: F32s::splat(value),
+            place: F32s::ZERO,
             lost: F32s::ZERO,
             number: F32s::ZERO,
+            last_normal: [F32s::ZERO; 3],
         }
     }
 
-    /// Ends a rule that keeps a value: `value` classified once, nothing where there was no sample.
+    /// Keeps `value` at lattice coordinate `place` where `better`, and counts the `sampled`.
     #[inline(always)]
-    fn finish_value(self, table: &Table, value: F32s) -> State {
-        let Surface { colour, opacity } = table.at(value);
-        let alpha: Mask = F32s::ZERO.lt(self.number);
-        let alpha = alpha.select(opacity, F32s::ZERO);
-        State {
-            colour: scale(colour, alpha),
-            alpha,
-            ..self
-        }
+    fn keep(&mut self, better: Mask, sampled: Mask, value: F32s, place: F32s) {
+        self.value = better.select(value, self.value);
+        self.place = better.select(place, self.place);
+        self.number = sampled.select(F32s::splat(1.0), self.number);
+    }
+
+    /// An opaque colour where `hit`.
+    #[inline(always)]
+    pub fn paint(&mut self, hit: Mask, colour: Vec3s) {
+        self.colour = hit.select3(colour, self.colour);
+        self.alpha = hit.select(F32s::splat(1.0), self.alpha);
     }
 }

@@ -1,4 +1,10 @@
-//! Slot fetch: stored numbers of single voxels.
+//! Slot fetch: stored numbers of single voxels, or those that a function gives.
+
+mod marschner_lobb;
+mod noise;
+
+pub use marschner_lobb::MarschnerLobb;
+pub use noise::Noise;
 
 use crate::lanes::{F32s, I32s, LANES, Vec3s, lanes};
 use strahl_volume::{Grid, Sample};
@@ -54,6 +60,20 @@ impl Shape {
     pub fn cell(&self, clamped: Vec3s) -> [I32s; 3] {
         let cell = |axis: usize| clamped[axis].to_i32s().min(self.last_cell[axis]);
         [cell(0), cell(1), cell(2)]
+    }
+
+    /// The voxel with this index.
+    #[inline(always)]
+    pub fn voxel(&self, index: usize) -> [usize; 3] {
+        let [_, row, slice] = self.stride;
+        [index % row, index % slice / row, index / slice]
+    }
+
+    /// A voxel moved to the border if it lies beyond.
+    #[inline(always)]
+    pub fn clamp_voxel(&self, voxel: [I32s; 3]) -> [I32s; 3] {
+        let clamp = |axis: usize| voxel[axis].max(0).min(self.last[axis] as i32);
+        [clamp(0), clamp(1), clamp(2)]
     }
 
     /// Index of the voxel (x, y, z); 64 bits wide, as volumes may exceed 4 GiB.

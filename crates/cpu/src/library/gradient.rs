@@ -1,12 +1,15 @@
-//! Slot gradient: the change of the value, in world space, per mm.
+//! Slot gradient: the change of a field, in world space, per mm.
 
-mod central;
+mod b_spline;
+mod differences;
+mod sobel;
 
 use crate::lanes::{F32s, Vec3s};
-use crate::library::{fetch::Fetch, reconstruct::Reconstruction};
-use strahl_scene::plan::{Gradient, Plan};
+use crate::library::reconstruct::Values;
+use strahl_scene::plan::{Gradient, GradientMethod};
+use strahl_volume::Grid;
 
-/// How gradients are found.
+/// How gradients are found in one object.
 pub struct Gradients {
     method: Gradient,
     /// Gradient in voxel space → in world space: the transpose of `voxel_from_world`.
@@ -14,26 +17,37 @@ pub struct Gradients {
 }
 
 impl Gradients {
-    /// The gradients of `plan`.
-    pub fn new(plan: &Plan) -> Gradients {
-        let transposed = plan.volume.grid.voxel_from_world().matrix3.transpose();
+    /// The gradients on `grid`.
+    pub fn new(method: Gradient, grid: &Grid) -> Gradients {
+        let transposed = grid.voxel_from_world().matrix3.transpose();
         let row = |r: usize| transposed.row(r).to_array().map(|v| v as f32);
         Gradients {
-            method: plan.gradient,
+            method,
             world_from_voxel: [row(0), row(1), row(2)],
         }
     }
 
-    /// The gradient at `position` (voxel space).
+    /// What the gradient is taken of.
+    pub fn input(&self) -> strahl_scene::plan::GradientInput {
+        self.method.input
+    }
+
+    /// The gradient of the values at `position` (voxel space).
     #[inline(always)]
-    pub fn at<F: Fetch>(
-        &self,
-        reconstruction: &Reconstruction,
-        fetch: &F,
-        position: Vec3s,
-    ) -> Vec3s {
-        let in_voxel = match self.method {
-            Gradient::Central => central::per_voxel(reconstruction, fetch, position),
+    pub fn of_values(&self, values: &dyn Values, position: Vec3s) -> Vec3s {
+        self.of(&|position| values.at(position), position)
+    }
+
+    /// The gradient of any field.
+    #[inline(never)]
+    pub fn of(&self, field: &dyn Fn(Vec3s) -> F32s, position: Vec3s) -> Vec3s {
+        let in_voxel = match self.method.method {
+            GradientMethod::Forward => differences::forward(field, position),
+            GradientMethod::Backward => differences::backward(field, position),
+            GradientMethod::Central => differences::central(field, position),
+            GradientMethod::Central9 => differences::central_9(field, position),
+            GradientMethod::Sobel => sobel::per_voxel(field, position),
+            GradientMethod::BSpline => b_spline::per_voxel(field, position),
         };
         self.world_from_voxel.map(|row| {
             in_voxel[0] * F32s::splat(row[0])

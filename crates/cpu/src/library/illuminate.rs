@@ -1,47 +1,62 @@
-//! Slot illuminate: from where and how strongly a sample is lit.
+//! Slot illuminate: the light that a surface sends to the eye from one light.
+//!
+//! All vectors have length 1. Diffuse parts are multiplied by the surface colour, highlights are
+//! white; there is nothing where the light comes from behind.
 
-use crate::lanes::{F32s, Vec3s, splat3};
-use strahl_scene::plan::{Plan, PlanLight};
+mod blinn_phong;
+mod cook_torrance;
+mod lambert;
+mod phong;
 
-/// A light in single precision.
-#[derive(Clone, Copy)]
-pub enum Light {
-    /// The same direction everywhere.
-    Directional {
-        to_light: [f32; 3],
-        radiance: [f32; 3],
-    },
-    /// Along each ray.
-    Head { radiance: [f32; 3] },
+use crate::lanes::{F32s, Vec3s, dot};
+use strahl_scene::plan::Illuminate;
+
+/// What one light does to a surface.
+#[inline(always)]
+pub fn illuminate(
+    model: Illuminate,
+    color: Vec3s,
+    normal: Vec3s,
+    to_eye: Vec3s,
+    to_light: Vec3s,
+    radiance: Vec3s,
+) -> Vec3s {
+    let cosine = dot(normal, to_light);
+    let lit = F32s::ZERO.lt(cosine);
+    let cosine = cosine.max(F32s::ZERO);
+    let surface = Surface {
+        normal,
+        to_eye,
+        to_light,
+        cosine,
+    };
+    let (diffuse, highlight) = match model {
+        Illuminate::Lambert { diffuse } => lambert::parts(&surface, diffuse),
+        Illuminate::Phong {
+            diffuse,
+            specular,
+            shininess,
+        } => phong::parts(&surface, diffuse, specular, shininess),
+        Illuminate::BlinnPhong {
+            diffuse,
+            specular,
+            shininess,
+        } => blinn_phong::parts(&surface, diffuse, specular, shininess),
+        Illuminate::CookTorrance {
+            diffuse,
+            roughness,
+            reflectance,
+        } => cook_torrance::parts(&surface, diffuse, roughness, reflectance),
+    };
+    let highlight = lit.select(highlight, F32s::ZERO);
+    [0, 1, 2].map(|c| radiance[c] * (diffuse * color[c] + highlight))
 }
 
-impl Light {
-    /// The lights of `plan`.
-    pub fn all(plan: &Plan) -> Vec<Light> {
-        let light = |light: &PlanLight| match *light {
-            PlanLight::Directional { to_light, radiance } => Light::Directional {
-                to_light: to_light.to_array().map(|v| v as f32),
-                radiance,
-            },
-            PlanLight::Head { radiance } => Light::Head { radiance },
-        };
-        plan.lights.iter().map(light).collect()
-    }
-
-    /// Unit vector towards the light.
-    #[inline(always)]
-    pub fn direction(&self, to_eye: Vec3s) -> Vec3s {
-        match *self {
-            Light::Directional { to_light, .. } => splat3(to_light),
-            Light::Head { .. } => to_eye,
-        }
-    }
-
-    /// Linear RGB.
-    #[inline(always)]
-    pub fn radiance(&self) -> [F32s; 3] {
-        match *self {
-            Light::Directional { radiance, .. } | Light::Head { radiance } => splat3(radiance),
-        }
-    }
+/// A surface under one light.
+struct Surface {
+    normal: Vec3s,
+    to_eye: Vec3s,
+    to_light: Vec3s,
+    /// Of the angle between normal and light, 0 if it comes from behind.
+    cosine: F32s,
 }

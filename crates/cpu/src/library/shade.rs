@@ -1,55 +1,77 @@
-//! Slot shade: the light that a sample sends to the eye.
+//! Slot shade: the look of a classified sample.
 
-mod blinn_phong;
+mod lit;
 
-pub use blinn_phong::BlinnPhong;
-
-use crate::lanes::Vec3s;
-use crate::library::illuminate::Light;
+use crate::lanes::{F32s, Mask, Vec3s, length};
+use crate::library::classify::Surface;
+use crate::library::light::Light;
 use strahl_scene::plan::{Plan, Shade};
 
 /// How samples are shaded.
-pub enum Shading {
-    /// The surface colour, whatever the gradient.
-    Unlit,
-    /// See [`Shade::BlinnPhong`].
-    BlinnPhong(BlinnPhong, Vec<Light>),
+pub struct Shading {
+    model: Shade,
+    lights: Vec<Light>,
+}
+
+/// What a sample's shading may ask for.
+pub struct Place<'s> {
+    /// The gradient; called only if it matters.
+    pub gradient: &'s dyn Fn() -> Vec3s,
+    /// Where the sample is in the world; called only if it matters.
+    pub place_mm: &'s dyn Fn() -> Vec3s,
+    /// Unit vector.
+    pub to_eye: Vec3s,
 }
 
 impl Shading {
     /// The shading of `plan`.
     pub fn new(plan: &Plan) -> Shading {
-        match plan.shade {
-            Shade::Unlit => Shading::Unlit,
-            Shade::BlinnPhong {
-                ambient,
-                diffuse,
-                specular,
-                shininess,
-            } => Shading::BlinnPhong(
-                BlinnPhong {
-                    ambient,
-                    diffuse,
-                    specular,
-                    shininess,
-                },
-                Light::all(plan),
-            ),
+        Shading {
+            model: plan.shade,
+            lights: Light::all(plan),
         }
     }
 
-    /// The colour towards the eye; `gradient` is called only if it matters.
+    /// The look of `surface` towards the eye. `last_normal` is the last normal of each ray that is
+    /// `shaded`; 0 if there was none yet.
     #[inline(always)]
-    pub fn colour(
+    pub fn look(
         &self,
-        surface: Vec3s,
-        gradient: impl FnOnce() -> Vec3s,
-        direction: Vec3s,
-    ) -> Vec3s {
-        match self {
-            Shading::Unlit => surface,
-            Shading::BlinnPhong(model, lights) => {
-                model.colour(surface, gradient(), direction, lights)
+        surface: Surface,
+        place: &Place,
+        shaded: Mask,
+        last_normal: &mut Vec3s,
+    ) -> Surface {
+        match self.model {
+            Shade::Unlit => surface,
+            Shade::Lit {
+                ambient,
+                illuminate,
+                keep_last_normal,
+            } => {
+                let mut unkept = [F32s::ZERO; 3];
+                let last_normal = if keep_last_normal {
+                    last_normal
+                } else {
+                    &mut unkept
+                };
+                let colour = lit::colour(
+                    &self.lights,
+                    illuminate,
+                    ambient,
+                    surface.colour,
+                    place,
+                    shaded,
+                    last_normal,
+                );
+                Surface { colour, ..surface }
+            }
+            Shade::GradientOpacity { full_per_mm } => {
+                let part = length((place.gradient)()).over(F32s::splat(full_per_mm));
+                Surface {
+                    opacity: surface.opacity * part.min(F32s::splat(1.0)),
+                    ..surface
+                }
             }
         }
     }

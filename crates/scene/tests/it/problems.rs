@@ -55,7 +55,7 @@ fn problems_that_hide_each_other() {
         r#"{ "step_voxels": 1e-9 }"#,
         r#"{ "step_voxels": 1e9 }"#,
         r#"{ "step_mm": 1, "step_voxels": 1 }"#,
-        r#"{ "method": "mip", "shading": { "model": "blinn-phong" } }"#,
+        r#"{ "method": "average", "shading": { "model": "blinn-phong" } }"#,
         r#"{ "camera": { "position": [0, 0, 100], "focus": [0, 0, 0], "up": [0, 0, 1] } }"#,
         r#"{ "camera": { "position": [1, 2, 3], "focus": [1, 2, 3] } }"#,
         r#"{ "camera": { "elevation_deg": 90 } }"#,
@@ -144,7 +144,8 @@ fn odd_volumes_resolve_or_say_why() {
             let header = header_of(samples.clone(), rescale);
             let plan = resolve(&scene, &header, None).unwrap();
             assert!(
-                plan.classify
+                plan.objects[0]
+                    .table
                     .entries()
                     .iter()
                     .flatten()

@@ -134,19 +134,28 @@ fn transfer_function(n: &Number) -> BoxedStrategy<TransferFunction> {
 
 fn light(n: &Number) -> BoxedStrategy<Light> {
     (
-        select(vec![LightKind::Directional, LightKind::Head]),
+        select(vec![
+            LightKind::Directional,
+            LightKind::Point,
+            LightKind::Head,
+        ]),
         of(select(vec![LightSpace::Camera, LightSpace::World])),
-        [of(n.clone()), of(n.clone()), of(n.clone())],
+        [of(n.clone()), of(n.clone()), of(n.clone()), of(n.clone())],
+        of(three(n)),
         of(color(n)),
     )
         .prop_map(
-            |(kind, space, [azimuth_deg, elevation_deg, intensity], color)| Light {
-                kind,
-                space,
-                azimuth_deg,
-                elevation_deg,
-                color,
-                intensity,
+            |(kind, space, [azimuth_deg, elevation_deg, intensity, reach_mm], position, color)| {
+                Light {
+                    position,
+                    reach_mm,
+                    kind,
+                    space,
+                    azimuth_deg,
+                    elevation_deg,
+                    color,
+                    intensity,
+                }
             },
         )
         .boxed()
@@ -158,6 +167,7 @@ fn clip(n: &Number) -> BoxedStrategy<Clip> {
             normal,
             point,
             distance_mm,
+            objects: None,
         })
     });
     let space = of(select(vec![
@@ -166,18 +176,49 @@ fn clip(n: &Number) -> BoxedStrategy<Clip> {
         BoxSpace::Fraction,
     ]));
     let keep = of(select(vec![Keep::Inside, Keep::Outside]));
-    let cut = (three(n), three(n), space, of(three(n)), keep).prop_map(
-        |(min, max, space, rotation_deg, keep)| {
-            Clip::Box(BoxClip {
+    let objects = of(vec(
+        select(vec!["volume".to_owned(), "other".to_owned()]),
+        0..2,
+    ));
+    let cut = (
+        0..3usize,
+        three(n),
+        three(n),
+        space,
+        of(three(n)),
+        keep,
+        objects,
+    )
+        .prop_map(|(shape, min, max, space, rotation_deg, keep, objects)| {
+            [Clip::Box, Clip::Ellipsoid, Clip::Cylinder][shape](BoxClip {
                 min,
                 max,
                 space,
                 rotation_deg,
                 keep,
+                objects,
             })
-        },
-    );
+        });
     prop_oneof![plane, cut].boxed()
+}
+
+fn function(n: &Number) -> BoxedStrategy<(String, FunctionUse)> {
+    let slots = ["classify", "composite", "gradient", "jitter", "mine"].map(str::to_owned);
+    let modules = ["table", "threshold", "mida", "sobel", "tile", "mine.wgsl"].map(str::to_owned);
+    let parameters = ["threshold", "white", "high"].map(str::to_owned);
+    (
+        select(slots.to_vec()),
+        select(modules.to_vec()),
+        of((select(parameters.to_vec()), n.clone())),
+    )
+        .prop_map(|(slot, module, parameter)| {
+            let params = parameter
+                .into_iter()
+                .map(|(name, value)| (name, ParameterValue::Number(value)));
+            let params = params.collect();
+            (slot, FunctionUse { module, params })
+        })
+        .boxed()
 }
 
 fn scene(n: Number) -> BoxedStrategy<Scene> {
@@ -188,8 +229,29 @@ fn scene(n: Number) -> BoxedStrategy<Scene> {
         of(three(&n)),
     );
     let shading = (
-        of(select(vec![ShadingModel::Unlit, ShadingModel::BlinnPhong])),
+        of(select(ShadingModel::ALL.to_vec())),
         [of(n.clone()), of(n.clone()), of(n.clone()), of(n.clone())],
+        [of(n.clone()), of(n.clone()), of(n.clone())],
+        of(any::<bool>()),
+    );
+    let beyond = (
+        of(select(vec![
+            Quality::Null,
+            Quality::Minimum,
+            Quality::Medium,
+            Quality::Maximum,
+        ])),
+        of(select(vec![
+            DebugView::Entry,
+            DebugView::Depth,
+            DebugView::GradientMagnitude,
+        ])),
+        of([n.clone(), n.clone()]),
+        of(n.clone()),
+        of(any::<u32>()),
+        of(select(vec![Compositing::Linear, Compositing::Display])),
+        of([three(&n), three(&n), three(&n), three(&n)]),
+        of(vec(function(&n), 0..3)),
     );
     let settings = (
         of(select(Method::ALL.to_vec())),
@@ -197,10 +259,16 @@ fn scene(n: Number) -> BoxedStrategy<Scene> {
             4 => select(presets().iter().map(|p| p.name.to_owned()).collect::<Vec<_>>()),
             1 => "[a-z-]{0,9}",
         ]),
-        of(select(vec![Reconstruct::Nearest, Reconstruct::Trilinear])),
+        of(select(vec![
+            Reconstruct::Nearest,
+            Reconstruct::Trilinear,
+            Reconstruct::BSpline,
+            Reconstruct::CatmullRom,
+        ])),
         of(prop_oneof![
             Just(Jitter::Off),
-            any::<u32>().prop_map(Jitter::Seed)
+            any::<u32>().prop_map(Jitter::Seed),
+            any::<u32>().prop_map(Jitter::BlueTile)
         ]),
         of(prop_oneof![
             Just(Background::Transparent),
@@ -221,9 +289,22 @@ fn scene(n: Number) -> BoxedStrategy<Scene> {
         of(vec(clip(&n), 0..3)),
         settings,
         [of(n.clone()), of(n.clone()), of(n.clone()), of(n.clone())],
+        beyond,
     )
         .prop_map(
-            |(volume, transfer_function, shading, lights, camera, clips, settings, numbers)| {
+            |(
+                volume,
+                transfer_function,
+                shading,
+                lights,
+                camera,
+                clips,
+                settings,
+                numbers,
+                beyond,
+            )| {
+                let (quality, debug, grey_range, blend, frames, compositing, moved, functions) =
+                    beyond;
                 let (method, preset, reconstruct, jitter, background, size, display) = settings;
                 let [threshold, step_mm, step_voxels, early_termination] = numbers;
                 Scene {
@@ -240,15 +321,36 @@ fn scene(n: Number) -> BoxedStrategy<Scene> {
                     method,
                     threshold,
                     transfer_function,
-                    shading: shading.map(|(model, [ambient, diffuse, specular, shininess])| {
+                    shading: shading.map(|(model, matt, rough, keep_last_normal)| {
+                        let [ambient, diffuse, specular, shininess] = matt;
+                        let [roughness, reflectance, full_per_mm] = rough;
                         Shading {
                             model,
                             ambient,
                             diffuse,
                             specular,
                             shininess,
+                            roughness,
+                            reflectance,
+                            full_per_mm,
+                            keep_last_normal,
                         }
                     }),
+                    quality,
+                    debug,
+                    grey_range,
+                    blend,
+                    frames,
+                    compositing,
+                    transform: moved.map(|[translate_mm, rotate_deg, scale, about]| Placement {
+                        translate_mm: Some(translate_mm),
+                        rotate_deg: Some(rotate_deg),
+                        scale: Some(scale),
+                        about: Some(about),
+                    }),
+                    functions: functions.map(|functions| functions.into_iter().collect()),
+                    gradient: None,
+                    objects: None,
                     lights,
                     camera,
                     clips,
@@ -284,16 +386,18 @@ fn check_plan(plan: &Plan) {
     };
     assert!(spread.is_finite() && spread > 0.0);
     assert!(plan.lattice.step_mm > 0.0 && plan.lattice.step_mm.is_finite());
-    let [lo, hi] = plan.classify.domain();
+    let [lo, hi] = plan.objects[0].table.domain();
     assert!(lo < hi && (hi - lo).is_finite(), "{lo} {hi}");
-    assert!(plan.classify.reference_mm().is_finite());
-    for part in plan.classify.entries().iter().flatten() {
+    assert!(plan.objects[0].table.reference_mm().is_finite());
+    for part in plan.objects[0].table.entries().iter().flatten() {
         assert!((0.0..=1.0).contains(part), "{part}");
     }
-    let probe = plan.classify.at(0.5 * lo + 0.5 * hi);
+    let probe = plan.objects[0].table.at(0.5 * lo + 0.5 * hi);
     assert!(probe.iter().all(|part| part.is_finite()));
     for light in &plan.lights {
-        let (PlanLight::Directional { radiance, .. } | PlanLight::Head { radiance }) = light;
+        let (PlanLight::Directional { radiance, .. }
+        | PlanLight::Point { radiance, .. }
+        | PlanLight::Head { radiance }) = light;
         assert!(radiance.iter().all(|part| part.is_finite() && *part >= 0.0));
         if let PlanLight::Directional { to_light, .. } = light {
             assert!((to_light.length() - 1.0).abs() < 1e-9);
@@ -353,7 +457,7 @@ proptest! {
         if let Ok(plan) = resolve(&scene, &header, None) {
             check_plan(&plan);
             let settled = settled(&scene, &header);
-            prop_assert_eq!(resolve(&settled, &header, None).unwrap().classify, plan.classify);
+            prop_assert_eq!(resolve(&settled, &header, None).unwrap().objects[0].table.clone(), plan.objects[0].table.clone());
         }
     }
 

@@ -1,6 +1,6 @@
 use crate::{ct_head, engine, header_at};
 use glam::DVec3;
-use strahl_scene::plan::{ClipPlane, Composite, Jitter, Plan, PlanLight, Shade};
+use strahl_scene::plan::{ClipPlane, Composite, Illuminate, Jitter, Plan, PlanLight, Shade};
 use strahl_scene::{Scene, presets, resolve, settled};
 use strahl_volume::{Modality, VolumeHeader};
 
@@ -112,19 +112,19 @@ fn a_scene_goes_before_its_preset() {
         &header,
     );
     assert_eq!(with.background, [1.0, 0.0, 0.0, 1.0]);
-    let Shade::BlinnPhong {
-        ambient, diffuse, ..
-    } = with.shade
-    else {
-        panic!("unlit");
+    let parts = |plan: &Plan| match plan.shade {
+        Shade::Lit {
+            ambient,
+            illuminate: Illuminate::BlinnPhong { diffuse, .. },
+            ..
+        } => (ambient, diffuse),
+        _ => panic!("unlit"),
     };
+    let (ambient, diffuse) = parts(&with);
     assert_eq!(ambient, 0.9);
     let plain = plan(r#"{ "preset": "ct-bone" }"#, &header);
-    let Shade::BlinnPhong { diffuse: usual, .. } = plain.shade else {
-        panic!("unlit");
-    };
-    assert_eq!(diffuse, usual);
-    assert_eq!(with.classify, plain.classify);
+    assert_eq!(diffuse, parts(&plain).1);
+    assert_eq!(with.objects[0].table, plain.objects[0].table);
 }
 
 #[test]
@@ -166,7 +166,7 @@ fn lights_stand_where_their_angles_say() {
         .iter()
         .filter_map(|light| match light {
             PlanLight::Directional { to_light, .. } => Some(*to_light),
-            PlanLight::Head { .. } => None,
+            PlanLight::Point { .. } | PlanLight::Head { .. } => None,
         })
         .collect();
     // The patient's left, the head, and the right edge of the frontal picture, which is left again.
@@ -197,13 +197,14 @@ fn clips_keep_what_they_say() {
     let header = ct_head();
     let grid = header.grid;
     let kept = |plan: &Plan, point: DVec3| {
-        plan.ray_clips
-            .iter()
-            .all(|ClipPlane { normal, offset_mm }| normal.dot(point) + offset_mm >= 0.0)
-            && plan.sample_clips.iter().all(|clip| {
-                let unit = clip.unit_from_world.transform_point3(point);
-                (unit.abs().max_element() <= 0.5) == clip.keep_inside
-            })
+        plan.ray_clips.iter().all(
+            |ClipPlane {
+                 normal, offset_mm, ..
+             }| normal.dot(point) + offset_mm >= 0.0,
+        ) && plan.sample_clips.iter().all(|clip| {
+            let unit = clip.unit_from_world.transform_point3(point);
+            (unit.abs().max_element() <= 0.5) == clip.keep_inside
+        })
     };
     let voxel = |x: f64, y: f64, z: f64| {
         grid.world_from_voxel()

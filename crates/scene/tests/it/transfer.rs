@@ -10,7 +10,8 @@ fn table(function: TransferFunction, header: &VolumeHeader) -> TransferTable {
         transfer_function: Some(function),
         ..Scene::default()
     };
-    resolve(&scene, header, None).unwrap().classify
+    let plan = resolve(&scene, header, None).unwrap();
+    plan.objects[0].table.clone()
 }
 
 fn points(points: &[(f64, f64, [f64; 3])]) -> TransferFunction {

@@ -267,7 +267,7 @@ fn cameras_clips_and_colours() {
     flags_fail(&["--background", "blue"], &["--background", "\"blue\""]);
     flags_fail(&["--exposure", "0"], &["display.exposure", "0"]);
     flags_fail(
-        &["--method", "mip", "--shade", "blinn-phong"],
+        &["--method", "average", "--shade", "blinn-phong"],
         &["shading.model", "unlit"],
     );
 }

@@ -2,10 +2,6 @@
 
 use super::State;
 use crate::lanes::{F32s, Mask};
-use crate::library::classify::Table;
-
-/// The state of a ray without samples.
-pub const START: f32 = 0.0;
 
 /// Adds up, with W. Kahan's compensation, as thousands of samples of the same size would each lose
 /// their last bits.
@@ -21,9 +17,8 @@ pub fn add(state: &mut State, sampled: Mask, value: F32s) {
     state.number = sampled.select(state.number + F32s::splat(1.0), state.number);
 }
 
-/// Classifies the mean.
+/// The mean.
 #[inline(always)]
-pub fn finish(state: State, table: &Table) -> State {
-    let mean = state.value.over(state.number.max(F32s::splat(1.0)));
-    state.finish_value(table, mean)
+pub fn mean(state: &State) -> F32s {
+    state.value.over(state.number.max(F32s::splat(1.0)))
 }

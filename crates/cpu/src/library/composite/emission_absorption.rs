@@ -15,6 +15,17 @@ pub fn add(state: &mut State, visible: Mask, colour: Vec3s, opacity: F32s) {
     state.alpha += share;
 }
 
+/// Adds a sample that lies in front of all before it: C = (1−a)·C + a·c, A likewise.
+#[inline(always)]
+pub fn add_in_front(state: &mut State, visible: Mask, colour: Vec3s, opacity: F32s) {
+    let opacity = visible.select(opacity, F32s::ZERO);
+    let behind = F32s::splat(1.0) - opacity;
+    for (sum, channel) in state.colour.iter_mut().zip(colour) {
+        *sum = *sum * behind + visible.select(opacity * channel, F32s::ZERO);
+    }
+    state.alpha = state.alpha * behind + opacity;
+}
+
 /// Where so little would still come through that the ray may end.
 #[inline(always)]
 pub fn done(state: &State, stop_at_transmittance: f32) -> Mask {

@@ -1,7 +1,6 @@
 //! The first place on the ray where the value reaches a threshold.
 
-use super::State;
-use crate::lanes::{F32s, Mask, Vec3s};
+use crate::lanes::{F32s, Mask};
 
 /// Halvings of the bracket around a hit: the place is exact to 1/4096 of a step.
 const HALVINGS: u32 = 12;
@@ -22,11 +21,4 @@ pub fn refine(mut outside: F32s, mut inside: F32s, reached: impl Fn(F32s) -> Mas
         outside = reached.select(outside, middle);
     }
     inside
-}
-
-/// Makes the rays that `hit` opaque.
-#[inline(always)]
-pub fn add(state: &mut State, hit: Mask, colour: Vec3s) {
-    state.colour = hit.select3(colour, state.colour);
-    state.alpha = hit.select(F32s::splat(1.0), state.alpha);
 }

@@ -5,8 +5,8 @@ use crate::flags::{BackendName, DrawFlags, PictureFlags, ReadFlags};
 use anyhow::{Context, Result, anyhow, bail};
 use std::str::FromStr;
 use strahl::scene::{
-    BoxClip, BoxSpace, Endian, Jitter, PlaneClip, PointsIn, Reconstruct, Shading, ShadingModel,
-    ToneMap, VolumeSource,
+    BoxClip, BoxSpace, DebugView, Endian, Jitter, PlaneClip, PointsIn, Quality, Reconstruct,
+    Shading, ShadingModel, ToneMap, VolumeSource,
 };
 use strahl::volume::SampleType;
 use strahl::volume::read::ReadOptions;
@@ -38,6 +38,7 @@ pub fn read_over(flags: &ReadFlags, source: VolumeSource) -> Result<VolumeSource
         path: source.path,
         phantom: source.phantom,
         dims: dims.or(source.dims),
+        level: flags.level_of_detail.or(source.level),
         time: flags.time.or(source.time),
         series: flags.series.clone().or(source.series),
         allow_gaps: flags.allow_gaps.then_some(true).or(source.allow_gaps),
@@ -95,10 +96,25 @@ pub fn draw_over(flags: &DrawFlags, scene: &mut Scene) -> Result<()> {
         (scene.step_mm, scene.step_voxels) = (flags.step, flags.step_voxels);
     }
     scene.jitter = flags.jitter.map(Jitter::Seed).or(scene.jitter);
-    match flags.reconstruct.as_deref() {
-        Some("nearest") => scene.reconstruct = Some(Reconstruct::Nearest),
-        Some(_) => scene.reconstruct = Some(Reconstruct::Trilinear),
-        None => {}
+    scene.reconstruct = match flags.reconstruct.as_deref() {
+        Some("nearest") => Some(Reconstruct::Nearest),
+        Some("b-spline") => Some(Reconstruct::BSpline),
+        Some("b-spline-interpolating") => Some(Reconstruct::BSplineInterpolating),
+        Some("catmull-rom") => Some(Reconstruct::CatmullRom),
+        Some(_) => Some(Reconstruct::Trilinear),
+        None => scene.reconstruct,
+    };
+    scene.frames = flags.frames.or(scene.frames);
+    if let Some(name) = &flags.quality {
+        scene.quality = Some(match name.as_str() {
+            "null" => Quality::Null,
+            "minimum" => Quality::Minimum,
+            "maximum" => Quality::Maximum,
+            _ => Quality::Medium,
+        });
+    }
+    if let Some(name) = &flags.debug {
+        scene.debug = DebugView::from_name(name);
     }
     Ok(())
 }
@@ -159,8 +175,9 @@ fn look_over(flags: &DrawFlags, scene: &mut Scene) -> Result<()> {
             });
             scene.lights = None;
         }
-        Some(_) => {
-            scene.shading.get_or_insert_default().model = Some(ShadingModel::BlinnPhong);
+        Some(name) => {
+            let model = ShadingModel::ALL.into_iter().find(|m| m.name() == name);
+            scene.shading.get_or_insert_default().model = model;
         }
         None => {}
     }
@@ -239,7 +256,7 @@ fn clips_over(flags: &DrawFlags, scene: &mut Scene) -> Result<()> {
                 PlaneClip {
                     normal: [x, y, z],
                     distance_mm: Some(distance_mm),
-                    point: None,
+                    ..PlaneClip::default()
                 }
             }
         };

@@ -3,6 +3,7 @@
 use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
+use strahl::scene::{DebugView, ShadingModel};
 use strahl::volume::Phantom;
 use strahl::{ColorMap, Method, View, presets};
 
@@ -133,7 +134,8 @@ pub struct DrawFlags {
     pub opacity: Option<String>,
 
     /// Light on surfaces, or the plain colours
-    #[arg(long, value_name = "MODEL", value_parser = ["blinn-phong", "unlit"])]
+    #[arg(long, value_name = "MODEL",
+          value_parser = PossibleValuesParser::new(ShadingModel::ALL.map(ShadingModel::name)))]
     pub shade: Option<String>,
 
     /// Keep the side of a plane that its normal points to: the normal (RAS), and the plane's distance
@@ -246,8 +248,22 @@ pub struct DrawFlags {
 
     /// How a value between voxels is found
     #[arg(long, value_name = "KIND", help_heading = "Quality",
-          value_parser = ["trilinear", "nearest"])]
+          value_parser = ["trilinear", "nearest", "b-spline", "b-spline-interpolating", "catmull-rom"])]
     pub reconstruct: Option<String>,
+
+    /// Reconstruction, gradient and light from the cheapest to the best; what is said otherwise counts more
+    #[arg(long, value_name = "LEVEL", help_heading = "Quality",
+          value_parser = ["null", "minimum", "medium", "maximum"])]
+    pub quality: Option<String>,
+
+    /// Draw the mean of this many pictures, each with its own jitter (needs --jitter to differ)
+    #[arg(long, value_name = "N", help_heading = "Quality")]
+    pub frames: Option<u32>,
+
+    /// Draw how the picture is made instead
+    #[arg(long, value_name = "VIEW", help_heading = "Quality",
+          value_parser = PossibleValuesParser::new(DebugView::ALL.map(|(_, name)| name)))]
+    pub debug: Option<String>,
 }
 
 /// The picture file and how it is made; no part of a scene.
@@ -458,6 +474,10 @@ pub struct ReadFlags {
     /// Time point of a 4-D file, from 0
     #[arg(long, value_name = "K")]
     pub time: Option<usize>,
+
+    /// Level of detail: 0 is all voxels, 1 half as many along each axis, 1.5 between 1 and 2
+    #[arg(long, value_name = "LEVEL")]
+    pub level_of_detail: Option<f64>,
 
     /// Series of a DICOM folder: its number in the list, its series number, or the start of its UID
     #[arg(long, value_name = "SERIES")]

@@ -1,0 +1,16 @@
+use super::Surface;
+use crate::elementary::power_of_cosine;
+use crate::lanes::{F32s, dot};
+
+/// B. Phong's model (1975): a highlight around the mirrored light 2(N·L)N − L.
+#[inline(always)]
+pub fn parts(surface: &Surface, diffuse: f32, specular: f32, shininess: f32) -> (F32s, F32s) {
+    let twice = surface.cosine + surface.cosine;
+    let mirrored = [0, 1, 2].map(|i| surface.normal[i] * twice - surface.to_light[i]);
+    let cosine = dot(mirrored, surface.to_eye).max(F32s::ZERO);
+    let power = power_of_cosine(cosine.min(F32s::splat(1.0)), shininess);
+    (
+        surface.cosine * F32s::splat(diffuse),
+        power * F32s::splat(specular),
+    )
+}

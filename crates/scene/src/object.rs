@@ -1,0 +1,297 @@
+//! What a scene draws beside its own volume: further volumes, meshes, and groups that move them.
+
+use crate::problem::{Checker, Within};
+use crate::{Color, TransferFunction, VolumeSource};
+use glam::{DAffine3, DMat3, DQuat, DVec3, EulerRot};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// A volume, a mesh, or a group (none of the two) in the scene.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct SceneObject {
+    /// What clips and other objects call it. The scene's own volume is called `volume`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
+    /// The name of an object whose transforms move this one too.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub parent: Option<String>,
+    /// Moves, turns or scales it; default: where its file says.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub transform: Option<Placement>,
+    /// A volume.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub volume: Option<VolumeSource>,
+    /// Instead: the name of an object whose volume this one shows again.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub like: Option<String>,
+    /// Instead: a file of triangles (STL, OBJ, PLY), relative to the folder of the scene file.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mesh: Option<String>,
+    /// Colour of a mesh; default a light grey.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub color: Option<Color>,
+    /// Name of the preset that gives a volume's transfer function; default chosen from the volume.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub preset: Option<String>,
+    /// Value → colour and opacity of a volume.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub transfer_function: Option<TransferFunction>,
+}
+
+/// Where something is put: first scaled, then turned, both about `about`, then moved.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Placement {
+    /// By how much along x, y, z (RAS mm); default 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub translate_mm: Option<[f64; 3]>,
+    /// About x, then y, then z; default no turn.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rotate_deg: Option<[f64; 3]>,
+    /// Along x, y, z, above 0; default 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scale: Option<[f64; 3]>,
+    /// The place that scaling and turning leave alone; default the origin.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub about: Option<[f64; 3]>,
+}
+
+/// The name of the scene's own volume.
+pub(crate) const OWN_VOLUME: &str = "volume";
+
+impl SceneObject {
+    /// Whether it only moves others.
+    pub fn is_group(&self) -> bool {
+        self.volume.is_none() && self.like.is_none() && self.mesh.is_none()
+    }
+
+    /// Whether it shows a volume.
+    pub(crate) fn is_volume(&self) -> bool {
+        self.volume.is_some() || self.like.is_some()
+    }
+}
+
+impl Placement {
+    /// The map that it stands for; `None`, with a problem, if it says what cannot be.
+    pub(crate) fn affine(&self, path: &str, checker: &mut Checker) -> Option<DAffine3> {
+        let before = checker.problems.len();
+        let translate = self.translate_mm.unwrap_or([0.0; 3]);
+        checker.point(&format!("{path}.translate_mm"), translate);
+        let about = self.about.unwrap_or([0.0; 3]);
+        checker.point(&format!("{path}.about"), about);
+        let turn = self.rotate_deg.unwrap_or([0.0; 3]);
+        let scale = self.scale.unwrap_or([1.0; 3]);
+        for axis in 0..3 {
+            checker.number(
+                &format!("{path}.rotate_deg[{axis}]"),
+                turn[axis],
+                Within::Closed(-3600.0, 3600.0),
+            );
+            checker.number(
+                &format!("{path}.scale[{axis}]"),
+                scale[axis],
+                Within::Closed(1e-6, 1e6),
+            );
+        }
+        if checker.problems.len() > before {
+            return None;
+        }
+        let [x, y, z] = turn.map(f64::to_radians);
+        let turned = DMat3::from_quat(DQuat::from_euler(EulerRot::ZYX, z, y, x))
+            * DMat3::from_diagonal(DVec3::from_array(scale));
+        let about = DVec3::from_array(about);
+        Some(
+            DAffine3::from_translation(DVec3::from_array(translate) + about)
+                * DAffine3::from_mat3(turned)
+                * DAffine3::from_translation(-about),
+        )
+    }
+}
+
+/// The map of each object from where its file puts it to the world, own transform first, then its
+/// parents'; the scene's own volume comes first.
+pub(crate) fn placements(
+    own: Option<&Placement>,
+    objects: &[SceneObject],
+    checker: &mut Checker,
+) -> Vec<DAffine3> {
+    let local = |path: &str, placement: Option<&Placement>, checker: &mut Checker| match placement {
+        Some(placement) => placement
+            .affine(path, checker)
+            .unwrap_or(DAffine3::IDENTITY),
+        None => DAffine3::IDENTITY,
+    };
+    let mut locals = vec![local("transform", own, checker)];
+    for (i, object) in objects.iter().enumerate() {
+        let path = format!("objects[{i}].transform");
+        locals.push(local(&path, object.transform.as_ref(), checker));
+    }
+    let place = |name: &str| match name {
+        OWN_VOLUME => Some(0),
+        name => {
+            let found = |object: &SceneObject| object.name.as_deref() == Some(name);
+            Some(1 + objects.iter().position(found)?)
+        }
+    };
+    let mut worlds = vec![locals[0]];
+    for (i, object) in objects.iter().enumerate() {
+        let mut world = locals[1 + i];
+        let mut at = object;
+        let mut steps = 0;
+        while let Some(parent) = &at.parent {
+            let Some(index) = place(parent) else {
+                if steps == 0 {
+                    checker.add(
+                        format!("objects[{i}].parent"),
+                        format!("{parent:?}"),
+                        &format!("the name of an object: {}", known(objects)),
+                    );
+                }
+                break;
+            };
+            world = locals[index] * world;
+            steps += 1;
+            if steps > objects.len() {
+                checker.add(
+                    format!("objects[{i}].parent"),
+                    format!(
+                        "{:?}, whose parents lead back to it",
+                        object.parent.as_deref().unwrap_or_default()
+                    ),
+                    "an object that is not below this one",
+                );
+                break;
+            }
+            match index {
+                0 => break,
+                _ => at = &objects[index - 1],
+            }
+        }
+        worlds.push(world);
+    }
+    worlds
+}
+
+/// Every name, for messages.
+pub(crate) fn known(objects: &[SceneObject]) -> String {
+    let names = objects.iter().filter_map(|object| object.name.as_deref());
+    std::iter::once(OWN_VOLUME)
+        .chain(names)
+        .collect::<Vec<_>>()
+        .join(", ")
+}
+
+/// What is wrong with the objects themselves: names, and what they are.
+pub(crate) fn check(objects: &[SceneObject], checker: &mut Checker) {
+    for (i, object) in objects.iter().enumerate() {
+        let path = format!("objects[{i}]");
+        if let Some(name) = &object.name {
+            let before = objects[..i].iter().any(|o| o.name.as_ref() == Some(name));
+            if name.is_empty() || name == OWN_VOLUME || before {
+                checker.add(
+                    format!("{path}.name"),
+                    format!("{name:?}"),
+                    "a name of its own; \"volume\" is the scene's own volume",
+                );
+            }
+        }
+        let kinds = [
+            object.volume.is_some(),
+            object.like.is_some(),
+            object.mesh.is_some(),
+        ];
+        if kinds.iter().filter(|given| **given).count() > 1 {
+            checker.add(
+                &path,
+                "several of volume, like and mesh",
+                "one of them, or none for a group",
+            );
+        }
+        for (given, key, fits) in [
+            (object.color.is_some(), "color", object.mesh.is_some()),
+            (object.preset.is_some(), "preset", object.is_volume()),
+            (
+                object.transfer_function.is_some(),
+                "transfer_function",
+                object.is_volume(),
+            ),
+        ] {
+            if given && !fits {
+                checker.add(
+                    format!("{path}.{key}"),
+                    if object.is_group() {
+                        "given for a group"
+                    } else if object.mesh.is_some() {
+                        "given for a mesh"
+                    } else {
+                        "given for a volume"
+                    },
+                    if key == "color" {
+                        "nothing: meshes have a colour"
+                    } else {
+                        "nothing: volumes have one"
+                    },
+                );
+            }
+        }
+        if let Some(volume) = &object.volume {
+            let mut problems = Vec::new();
+            volume.check(&mut problems);
+            checker
+                .problems
+                .extend(problems.into_iter().map(|mut problem| {
+                    problem.path = format!("{path}.{}", problem.path);
+                    problem
+                }));
+        }
+        if let Some(like) = &object.like {
+            let shows = |o: &SceneObject| o.name.as_ref() == Some(like) && o.volume.is_some();
+            if like != OWN_VOLUME && !objects.iter().any(shows) {
+                checker.add(
+                    format!("{path}.like"),
+                    format!("{like:?}"),
+                    &format!(
+                        "the name of an object with a volume of its own: {}",
+                        known(objects)
+                    ),
+                );
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parents_move_their_children() {
+        let object = |name: &str, parent: Option<&str>, x: f64| SceneObject {
+            name: Some(name.into()),
+            parent: parent.map(str::to_owned),
+            transform: Some(Placement {
+                translate_mm: Some([x, 0.0, 0.0]),
+                ..Placement::default()
+            }),
+            ..SceneObject::default()
+        };
+        let turned = Placement {
+            rotate_deg: Some([0.0, 0.0, 90.0]),
+            ..Placement::default()
+        };
+        let objects = [
+            object("a", Some("b"), 1.0),
+            object("b", Some("volume"), 10.0),
+        ];
+        let mut checker = Checker::default();
+        let worlds = placements(Some(&turned), &objects, &mut checker);
+        assert_eq!(checker.problems, []);
+        let at = worlds[1].transform_point3(DVec3::ZERO);
+        assert!((at - DVec3::new(0.0, 11.0, 0.0)).length() < 1e-12, "{at}");
+
+        let circle = [object("a", Some("b"), 1.0), object("b", Some("a"), 1.0)];
+        placements(None, &circle, &mut checker);
+        assert_eq!(checker.problems.len(), 2);
+    }
+}

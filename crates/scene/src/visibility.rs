@@ -1,0 +1,223 @@
+//! Which bricks of a volume can matter to a picture: what every renderer's skipping rests on.
+//!
+//! Only bricks that provably change nothing are left out; rounding is on the side of looking.
+
+use crate::plan::{Classify, Composite, DebugView, Fetch, Plan, PlanObject, Reconstruct};
+use crate::transfer::TransferTable;
+use std::borrow::Cow;
+use strahl_volume::Rescale;
+use strahl_volume::bricks::{BrickRange, Bricks};
+
+/// What each brick of an object, x fastest, can give to a ray.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Contribution {
+    /// The rule needs every sample.
+    Every,
+    /// Whether any sample inside can change a pixel.
+    Visible(Vec<bool>),
+    /// An upper bound of the values inside: nothing where the ray has seen more.
+    Largest(Vec<f32>),
+    /// A lower bound: nothing where the ray has seen less.
+    Smallest(Vec<f32>),
+}
+
+impl Contribution {
+    /// What the `bricks` of object number `object` can give. They are those of the numbers that the
+    /// renderer reconstructs from: of the coefficients if the B-spline interpolates.
+    pub fn of(plan: &Plan, object: usize, bricks: &Bricks) -> Contribution {
+        let object = &plan.objects[object];
+        // What a function of the user does to values nobody knows.
+        let is_known = !plan.modules.iter().any(|module| {
+            let slot = module.module.slot().name;
+            ["fetch", "reconstruct", "classify", "composite"].contains(&slot)
+        });
+        if plan.fetch != Fetch::Stored || !is_known {
+            return Contribution::Every;
+        }
+        let ranges = reached(bricks, plan.reconstruct);
+        let values = |range: &BrickRange| values(range, plan, object);
+        let opaque = Opaque::new(&object.table);
+        let visible = |range: &BrickRange| {
+            let (lo, hi) = values(range);
+            !range.is_empty() && shows(plan.classify, &opaque, lo, hi)
+        };
+        let where_visible = || Contribution::Visible(ranges.iter().map(visible).collect());
+        match plan.composite {
+            Composite::EmissionAbsorption { .. } | Composite::BackToFront => where_visible(),
+            Composite::Debug(
+                DebugView::Normal
+                | DebugView::GradientRaw
+                | DebugView::GradientMagnitude { .. }
+                | DebugView::Depth { .. },
+            ) => where_visible(),
+            Composite::Mida { low, high, .. } => {
+                let rises = |range: &BrickRange| {
+                    let (lo, hi) = values(range);
+                    !range.is_empty() && if low < high { hi > low } else { lo < low }
+                };
+                let matters = |range: &BrickRange| visible(range) || rises(range);
+                Contribution::Visible(ranges.iter().map(matters).collect())
+            }
+            Composite::FirstHit { threshold } => {
+                let hit =
+                    |range: &BrickRange| !range.is_empty() && values(range).1 >= threshold as f32;
+                Contribution::Visible(ranges.iter().map(hit).collect())
+            }
+            Composite::Mip => {
+                Contribution::Largest(ranges.iter().map(|range| values(range).1).collect())
+            }
+            Composite::MinIp => {
+                Contribution::Smallest(ranges.iter().map(|range| values(range).0).collect())
+            }
+            Composite::Average
+            | Composite::Gmip { .. }
+            | Composite::Debug(
+                DebugView::Entry | DebugView::Exit | DebugView::SampleCount { .. },
+            ) => Contribution::Every,
+        }
+    }
+}
+
+/// Bounds of the values that reconstruction can give inside a brick: its range, rescaled, and
+/// widened by more than interpolation and rescaling can round (some 20 operations of 2⁻²⁴ each).
+fn values(range: &BrickRange, plan: &Plan, object: &PlanObject) -> (f32, f32) {
+    let rescale = match plan.reconstruct {
+        // Coefficients are values.
+        Reconstruct::BSplineInterpolating => Rescale::IDENTITY,
+        _ => object.rescale,
+    };
+    let (a, b) = (
+        rescale.value(f64::from(range.lo)),
+        rescale.value(f64::from(range.hi)),
+    );
+    let largest = f64::from(range.lo.abs().max(range.hi.abs()));
+    let size = rescale.slope.abs() * largest + rescale.intercept.abs();
+    // Differences of such numbers overflow.
+    if !(largest < 1e37 && size < 1e37) {
+        return (f32::NEG_INFINITY, f32::INFINITY);
+    }
+    let margin = size / f64::from(1 << 18);
+    ((a.min(b) - margin) as f32, (a.max(b) + margin) as f32)
+}
+
+/// The numbers that reconstruction can reach from inside each brick.
+fn reached(bricks: &Bricks, reconstruct: Reconstruct) -> Cow<'_, [BrickRange]> {
+    match reconstruct {
+        Reconstruct::Nearest | Reconstruct::Trilinear => Cow::Borrowed(bricks.ranges()),
+        // Four voxels along each axis reach into the next bricks; the weights add up to 1 and none is
+        // negative.
+        Reconstruct::BSpline | Reconstruct::BSplineInterpolating => {
+            Cow::Owned(with_neighbours(bricks))
+        }
+        // The weights along an axis lie between −1/8 and 9/8 at the most, so that a value leaves the
+        // range by up to ((5/4)³ − 1)/2 of its width.
+        Reconstruct::CatmullRom => {
+            let mut ranges = with_neighbours(bricks);
+            for range in ranges.iter_mut().filter(|range| !range.is_empty()) {
+                let by = (range.hi - range.lo) * 0.48;
+                (range.lo, range.hi) = (range.lo - by, range.hi + by);
+            }
+            Cow::Owned(ranges)
+        }
+    }
+}
+
+/// The range of each brick and the 26 around it.
+fn with_neighbours(bricks: &Bricks) -> Vec<BrickRange> {
+    let dims = bricks.dims();
+    let stride = [1, dims[0], dims[0] * dims[1]];
+    let mut ranges = bricks.ranges().to_vec();
+    for axis in 0..3 {
+        let before = ranges.clone();
+        for (i, range) in ranges.iter_mut().enumerate() {
+            let at = i / stride[axis] % dims[axis];
+            let behind = (at > 0).then(|| before[i - stride[axis]]);
+            let ahead = (at + 1 < dims[axis]).then(|| before[i + stride[axis]]);
+            for other in behind.into_iter().chain(ahead) {
+                range.lo = range.lo.min(other.lo);
+                range.hi = range.hi.max(other.hi);
+            }
+        }
+    }
+    ranges
+}
+
+/// Whether a classification shows anything of an interval.
+fn shows(classify: Classify, table: &Opaque, lo: f32, hi: f32) -> bool {
+    let grey = |black: f32, white: f32| {
+        if black < white {
+            hi > black
+        } else {
+            lo < black
+        }
+    };
+    match classify {
+        Classify::Table | Classify::GradientTable { .. } | Classify::PreClassified => {
+            table.any(lo, hi)
+        }
+        Classify::Identity { black, white } => grey(black, white),
+        Classify::Threshold {
+            threshold,
+            black,
+            white,
+        } => hi > threshold && grey(black, white),
+    }
+}
+
+/// Whether a transfer function shows anything of an interval: what
+/// [`TransferTable::max_opacity`] > 0 says, in constant time.
+struct Opaque {
+    lo: f32,
+    entries_per_value: f32,
+    /// Number of visible entries before each entry.
+    before: Vec<u32>,
+}
+
+impl Opaque {
+    fn new(table: &TransferTable) -> Opaque {
+        let [lo, hi] = table.domain();
+        let mut before = vec![0];
+        for entry in table.entries() {
+            before.push(before[before.len() - 1] + u32::from(entry[3] > 0.0));
+        }
+        Opaque {
+            lo,
+            entries_per_value: (table.entries().len() - 1) as f32 / (hi - lo),
+            before,
+        }
+    }
+
+    /// Whether any value from `lo` to `hi` is visible.
+    fn any(&self, lo: f32, hi: f32) -> bool {
+        let entries = self.before.len() - 1;
+        let position = |value: f32| {
+            ((value - self.lo) * self.entries_per_value).clamp(0.0, (entries - 1) as f32)
+        };
+        // One entry more on either side makes up for rounding in `position`.
+        let first = (position(lo) as usize).saturating_sub(1);
+        let end = (position(hi) as usize + 3).min(entries);
+        self.before[end] > self.before[first]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn visibility_is_max_opacity(
+            opaque in proptest::collection::vec(any::<bool>(), 2..60),
+            lo in -2f32..2.0,
+            width in 0f32..1.0,
+        ) {
+            let entries = opaque.iter().map(|&o| [0.0, 0.0, 0.0, f32::from(u8::from(o))]);
+            let table = TransferTable::new([-1.0, 1.0], 1.0, entries.collect());
+            prop_assert_eq!(
+                Opaque::new(&table).any(lo, lo + width),
+                table.max_opacity(lo, lo + width) > 0.0
+            );
+        }
+    }
+}
