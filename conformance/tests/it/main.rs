@@ -3,6 +3,7 @@
 mod agree;
 mod extreme_volumes;
 mod goldens;
+mod gpu;
 mod metamorphic;
 mod orientation;
 mod random;

@@ -40,7 +40,7 @@ fn distance(a: &Rendered, b: &Rendered) -> f32 {
 }
 
 /// Blobs with soft borders, one per number.
-fn blobs(grid: Grid, centres: &[DVec3], radius_mm: f64) -> Volume {
+pub fn blobs(grid: Grid, centres: &[DVec3], radius_mm: f64) -> Volume {
     volume(grid, |p| {
         let near = centres
             .iter()
@@ -51,7 +51,7 @@ fn blobs(grid: Grid, centres: &[DVec3], radius_mm: f64) -> Volume {
 }
 
 /// Transparent up to 0.2, then a ramp in colour and opacity.
-fn ramp() -> TransferTable {
+pub fn ramp() -> TransferTable {
     let entries = (0..64)
         .map(|i| {
             let v = i as f32 / 63.0;
@@ -128,7 +128,7 @@ fn back_to_front_is_front_to_back_without_an_early_end() {
 }
 
 /// Two overlapping volumes in a Plan, of the same world.
-fn two(first: &Volume, second: &Volume) -> Plan {
+pub fn two(first: &Volume, second: &Volume) -> Plan {
     let mut plan = plan(
         first,
         parallel(DVec3::new(0.2, 1.0, -0.3), 60.0, 14.0),
@@ -144,7 +144,7 @@ fn two(first: &Volume, second: &Volume) -> Plan {
     plan
 }
 
-fn pair() -> (Volume, Volume) {
+pub fn pair() -> (Volume, Volume) {
     let turned = DMat3::from_rotation_z(0.5) * 0.9;
     (
         blobs(
@@ -242,7 +242,7 @@ fn a_moved_volume_looks_as_from_a_moved_camera() {
 }
 
 /// A square across the view at `y_mm`, larger than the picture.
-fn wall(y_mm: f32) -> Mesh {
+pub fn wall(y_mm: f32) -> Mesh {
     let corners = [[-50.0, -50.0], [50.0, -50.0], [50.0, 50.0], [-50.0, 50.0]];
     let corners = corners.map(|[x, z]| [x, y_mm, z]).to_vec();
     Mesh::new(corners, vec![[0, 1, 2], [0, 2, 3]], None).unwrap()
@@ -466,7 +466,7 @@ fn an_interpolating_spline_goes_through_the_voxels() {
 }
 
 /// A random Plan with any variant of every step.
-fn any_variant(random: &mut Random, volume: &Volume) -> Plan {
+pub fn any_variant(random: &mut Random, volume: &Volume) -> Plan {
     let mut plan = random.plan(volume, [13, 11]);
     let [low, high] = volume.statistics().range.map(|v| v as f32);
     let high = if high > low { high } else { low + 1.0 };
@@ -534,7 +534,10 @@ fn any_variant(random: &mut Random, volume: &Volume) -> Plan {
         },
     ]);
     plan.gradient.method = random.pick(&GRADIENTS);
-    plan.gradient.input = random.pick(&[GradientInput::Value, GradientInput::Opacity]);
+    // An opacity that follows the gradient has no gradient: `resolve` refuses it.
+    if !matches!(plan.classify, Classify::GradientTable { .. }) {
+        plan.gradient.input = random.pick(&[GradientInput::Value, GradientInput::Opacity]);
+    }
     plan.shade = random.pick(&[
         plan.shade,
         blinn_phong(0.2, 0.5, 0.3, 20.0),

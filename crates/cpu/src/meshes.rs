@@ -24,6 +24,8 @@ struct Searchable {
     /// Normals at the corners, where the mesh has them: it is smooth then.
     normals: Option<Vec<[DVec3; 3]>>,
     centre: DVec3,
+    /// Of a ball about the centre that holds it all.
+    radius: f64,
 }
 
 struct Hit {
@@ -84,6 +86,7 @@ impl Searchable {
                 mesh.triangles().iter().map(|t| t.map(normal)).collect()
             }),
             centre: 0.5 * (lo + hi),
+            radius: 0.5001 * hi.distance(lo),
         }
     }
 
@@ -92,15 +95,18 @@ impl Searchable {
         let mesh_from_world = placed.world_from_mesh.inverse();
         let origin = mesh_from_world.transform_point3(ray.origin_mm);
         let direction = mesh_from_world.transform_vector3(ray.direction);
-        // The search is in single precision: it starts beside the mesh, wherever the eye is.
-        let beside = direction.dot(self.centre - origin) / direction.length_squared();
-        let beside = if beside.is_finite() {
-            beside.max(0.0)
+        // The search is in single precision: it starts just before the mesh, wherever the eye is, and
+        // goes ahead only.
+        let length = direction.length();
+        let centre = direction.dot(self.centre - origin) / length;
+        let before = (centre - self.radius) / length;
+        let before = if before.is_finite() {
+            before.max(0.0)
         } else {
             0.0
         };
-        let start = (origin + beside * direction).as_vec3a();
-        let search = Search::new(start, direction.as_vec3a(), -beside as f32, f32::INFINITY);
+        let start = (origin + before * direction).as_vec3a();
+        let search = Search::new(start, direction.as_vec3a(), 0.0, f32::INFINITY);
         let mut hit = RayHit::none();
         let index = |id: usize| self.tree.primitive_indices[id] as usize;
         let found = self.tree.ray_traverse(search, &mut hit, |search, id| {
@@ -117,7 +123,7 @@ impl Searchable {
         let t_mm = if t_mm.is_finite() {
             t_mm
         } else {
-            beside + f64::from(hit.t)
+            before + f64::from(hit.t)
         };
         let normal = match &self.normals {
             None => face,
@@ -231,6 +237,19 @@ mod tests {
                     assert!((t - far).abs() <= 1e-12 * far, "{t} for {far}");
                 }
             }
+        }
+    }
+
+    #[test]
+    fn what_lies_before_the_middle_of_a_mesh_is_hit() {
+        for y in [-0.99, -0.5, 0.5, 0.99] {
+            let direction = DVec3::new(-0.1, 1.0, 0.0).normalize();
+            let ray = Ray {
+                origin_mm: DVec3::new(0.0, y, 0.0) - 30.0 * direction,
+                direction,
+            };
+            let t = distance(&ray, DAffine3::IDENTITY).unwrap();
+            assert!((t - 30.0).abs() < 1e-12, "{y}: {t}");
         }
     }
 

@@ -31,9 +31,9 @@ pub enum Error {
     /// The driver refused something.
     #[error("the graphics driver refused: {0}")]
     Driver(String),
-    /// The volume does not fit into one texture.
+    /// The volume does not fit into a texture, nor do its pages.
     #[error(
-        "the volume has {dims:?} voxels, the graphics adapter takes at most {most} along an axis and {most_bytes} bytes in all; draw with --backend cpu"
+        "the volume has {dims:?} voxels, and more that differ than the graphics adapter has room for (textures of {most} along an axis, {most_bytes} bytes); draw with --backend cpu, or a coarser level of it"
     )]
     TooLarge {
         /// Of the volume.
@@ -43,12 +43,41 @@ pub enum Error {
         /// Bytes of the whole texture.
         most_bytes: u64,
     },
-    /// The graphics renderer has no means for this yet.
-    #[error("the graphics renderer does not draw {0} yet; draw with --backend cpu")]
-    NotYet(&'static str),
-    /// The coefficients of an interpolating B-spline cannot be made.
+    /// A mesh does not fit into a buffer.
+    #[error(
+        "the mesh has {triangles} triangles, the graphics adapter takes at most {most}; draw with --backend cpu"
+    )]
+    MeshTooLarge {
+        /// Of the mesh.
+        triangles: usize,
+        /// Of a buffer.
+        most: usize,
+    },
+    /// A mask is larger than a texture.
+    #[error(
+        "the mask has {dims:?} voxels, the graphics adapter takes at most {most} along an axis; draw with --backend cpu"
+    )]
+    MaskTooLarge {
+        /// Of the mask.
+        dims: [usize; 3],
+        /// Voxels along an axis.
+        most: u32,
+    },
+    /// The Plan counts more data than was handed over.
+    #[error(
+        "the plan needs {what} number {index}, of which {there} were handed to the renderer; hand over the data that the plan was resolved for"
+    )]
+    NoData {
+        /// `volume`, `mask` or `mesh`.
+        what: &'static str,
+        /// Which one, from 0.
+        index: usize,
+        /// How many there are.
+        there: usize,
+    },
+    /// Coefficients of a B-spline, or the values of a mask, cannot be made.
     #[error(transparent)]
-    Coefficients(#[from] strahl_volume::Error),
+    Volume(#[from] strahl_volume::Error),
     /// The Plan was resolved for another volume.
     #[error(
         "the plan is for a grid of {plan:?} voxels, the volume has {volume:?} (or lies elsewhere); resolve the scene with this volume's header"

@@ -1,11 +1,10 @@
-//! The uniform block of the ray loop: camera, lattice and table of a Plan.
+//! The uniform block of the ray loop: camera, lattice and objects of a Plan.
 
-use crate::volume_texture::Storage;
 use bytemuck::{Pod, Zeroable};
 use glam::{DAffine3, DVec3};
-use strahl_scene::plan::{Plan, Projection};
+use strahl_scene::plan::{Plan, PlanObject, Projection};
 
-/// The struct `Frame` of the ray loop, byte for byte.
+/// The struct `Frame` of the ray loop up to its objects, byte for byte.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct Frame {
@@ -17,35 +16,40 @@ pub struct Frame {
     pub aspect: f32,
     pub forward: [f32; 3],
     pub is_perspective: u32,
-    pub voxel_from_world: [[f32; 4]; 3],
-    pub world_from_voxel: [[f32; 4]; 3],
     pub background: [f32; 4],
-    pub dims: [u32; 3],
-    pub number: u32,
     pub size: [u32; 2],
     pub origin: [u32; 2],
-    pub steps_per_reference: f32,
+    pub number: u32,
+    pub padding: [u32; 3],
+}
+
+/// The struct `Object` of the ray loop, byte for byte.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct Object {
+    pub voxel_from_world: [[f32; 4]; 3],
+    pub world_from_voxel: [[f32; 4]; 3],
+    pub dims: [u32; 3],
+    pub volume: u32,
+    pub bricks_first: [u32; 3],
+    pub table_first: u32,
+    pub pages_first: [u32; 3],
     pub table_entries: u32,
     pub table_domain: [f32; 2],
     pub slope: f32,
     pub intercept: f32,
-    pub padding: [f32; 2],
+    pub steps_per_reference: f32,
+    pub padding: [u32; 3],
 }
 
 impl Frame {
-    /// The frame of `plan` over a texture of this storage.
-    pub fn of(plan: &Plan, storage: &Storage) -> Frame {
+    /// The frame of `plan`.
+    pub fn of(plan: &Plan) -> Frame {
         let camera = &plan.camera;
         let (is_perspective, half_height) = match camera.projection {
             Projection::Perspective { tan_half_height } => (1, tan_half_height),
             Projection::Orthographic { half_height_mm } => (0, half_height_mm),
         };
-        let grid = &plan.objects[0].grid;
-        let rescale = plan.objects[0].rescale;
-        let table = &plan.objects[0].table;
-        // value = slope · (scale · texel + shift) + intercept
-        let slope = rescale.slope * f64::from(storage.scale);
-        let intercept = rescale.slope * f64::from(storage.shift) + rescale.intercept;
         Frame {
             eye_mm: single(camera.eye_mm),
             step_mm: plan.lattice.step_mm as f32,
@@ -55,28 +59,51 @@ impl Frame {
             aspect: (f64::from(plan.width) / f64::from(plan.height)) as f32,
             forward: single(camera.forward),
             is_perspective,
-            voxel_from_world: rows(&grid.voxel_from_world()),
-            world_from_voxel: rows(&grid.world_from_voxel()),
             background: plan.background,
-            dims: grid.dims().map(|n| n as u32),
-            number: 0,
             size: [plan.width, plan.height],
             origin: [0, 0],
-            steps_per_reference: (plan.lattice.step_mm / f64::from(table.reference_mm())) as f32,
+            number: 0,
+            padding: [0; 3],
+        }
+    }
+
+    /// The bytes of the block: the frame, then the objects.
+    pub fn bytes(&self, objects: &[Object]) -> Vec<u8> {
+        let mut bytes = bytemuck::bytes_of(self).to_vec();
+        bytes.extend_from_slice(bytemuck::cast_slice(objects));
+        bytes
+    }
+}
+
+impl Object {
+    /// Object `object` of `plan`, whose values are slope · texel + intercept. Where its table, bricks and
+    /// pages begin is left 0.
+    pub fn of(plan: &Plan, object: &PlanObject, slope: f64, intercept: f64) -> Object {
+        let table = &object.table;
+        Object {
+            voxel_from_world: rows(&object.grid.voxel_from_world()),
+            world_from_voxel: rows(&object.grid.world_from_voxel()),
+            dims: object.grid.dims().map(|n| n as u32),
+            volume: object.volume as u32,
+            bricks_first: [0; 3],
+            table_first: 0,
+            pages_first: [0; 3],
             table_entries: table.entries().len() as u32,
             table_domain: table.domain(),
             slope: slope as f32,
             intercept: intercept as f32,
-            padding: [0.0; 2],
+            steps_per_reference: (plan.lattice.step_mm / f64::from(table.reference_mm())) as f32,
+            padding: [0; 3],
         }
     }
 }
 
-fn single(v: DVec3) -> [f32; 3] {
+pub fn single(v: DVec3) -> [f32; 3] {
     v.as_vec3().to_array()
 }
 
-fn rows(map: &DAffine3) -> [[f32; 4]; 3] {
+/// The rows of an affine map.
+pub fn rows(map: &DAffine3) -> [[f32; 4]; 3] {
     [0, 1, 2].map(|r| {
         let linear = map.matrix3.row(r);
         [linear.x, linear.y, linear.z, map.translation[r]].map(|v| v as f32)

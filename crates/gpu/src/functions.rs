@@ -1,11 +1,10 @@
 //! Which shader functions, with which parameters, a Plan asks for.
 
-use crate::volume_texture::Storage;
 use glam::DVec3;
 use std::sync::Arc;
 use strahl_scene::plan::{
-    Classify, ClipShape, Composite, DebugView, GradientInput, GradientMethod, Illuminate, Jitter,
-    Plan, PlanLight, PlanModule, Reconstruct, Shade,
+    Classify, ClipShape, Composite, DebugView, Fetch, GradientInput, GradientMethod, Illuminate,
+    Jitter, Plan, PlanLight, PlanModule, Reconstruct, Shade,
 };
 use strahl_shader::{Error, Fold, Module, Program, Selection, built_in};
 
@@ -22,14 +21,19 @@ struct Values {
 }
 
 impl Functions {
-    /// The functions of `plan` over a texture of this storage.
-    pub fn of(plan: &Plan, storage: &Storage) -> Result<Functions, Error> {
+    /// The functions of `plan`. `is_filtered` says whether the texture unit interpolates,
+    /// `mask_threshold` in which numbers of a mask's texture a threshold is.
+    pub fn of(
+        plan: &Plan,
+        is_filtered: bool,
+        mask_threshold: impl Fn(usize, f32) -> f64,
+    ) -> Result<Functions, Error> {
         let mut functions = Functions {
             selection: Selection::new(),
             values: Vec::new(),
         };
-        functions.ray(plan)?;
-        functions.sample(plan, storage)?;
+        functions.ray(plan, mask_threshold)?;
+        functions.sample(plan, is_filtered)?;
         functions.light(plan)?;
         functions.composite(plan)?;
         functions.modules(plan);
@@ -73,16 +77,29 @@ impl Functions {
         Ok(())
     }
 
-    fn ray(&mut self, plan: &Plan) -> Result<(), Error> {
+    fn ray(
+        &mut self,
+        plan: &Plan,
+        mask_threshold: impl Fn(usize, f32) -> f64,
+    ) -> Result<(), Error> {
         for clip in &plan.ray_clips {
             let values = vec![
                 ("normal", vector(clip.normal)),
                 ("offset_mm", vec![clip.offset_mm]),
+                ("objects", vec![f64::from(clip.objects)]),
             ];
             self.put("clip_ray", "plane", values)?;
         }
-        if let Jitter::Hash(seed) = plan.lattice.jitter {
-            self.put("jitter", "hash", vec![("seed", vec![f64::from(seed)])])?;
+        if !plan.meshes.is_empty() {
+            self.put("clip_ray", "depth", vec![])?;
+        }
+        match plan.lattice.jitter {
+            Jitter::Centre => {}
+            Jitter::Hash(seed) => {
+                self.put("jitter", "hash", vec![("seed", vec![f64::from(seed)])])?;
+            }
+            Jitter::SineHash => self.put("jitter", "sine_hash", vec![])?,
+            Jitter::WhiteTile(_) | Jitter::BlueTile(_) => self.put("jitter", "tile", vec![])?,
         }
         for clip in &plan.sample_clips {
             let m = clip.unit_from_world;
@@ -90,26 +107,52 @@ impl Functions {
                 let linear = m.matrix3.row(r);
                 vec![linear.x, linear.y, linear.z, m.translation[r]]
             };
-            let values = vec![
+            let mut values = vec![
                 ("unit_from_world_x", row(0)),
                 ("unit_from_world_y", row(1)),
                 ("unit_from_world_z", row(2)),
                 ("keep_inside", vec![f64::from(u8::from(clip.keep_inside))]),
+                ("objects", vec![f64::from(clip.objects)]),
             ];
             let name = match clip.shape {
                 ClipShape::Box => "box",
                 ClipShape::Ellipsoid => "ellipsoid",
                 ClipShape::Cylinder => "cylinder",
-                ClipShape::Mask { .. } => "mask",
+                ClipShape::Mask { mask, threshold } => {
+                    values.push(("mask", vec![mask as f64]));
+                    values.push(("threshold", vec![mask_threshold(mask, threshold)]));
+                    "mask"
+                }
             };
             self.put("clip_sample", name, values)?;
         }
         Ok(())
     }
 
-    fn sample(&mut self, plan: &Plan, storage: &Storage) -> Result<(), Error> {
-        self.put("fetch", "texture", vec![])?;
-        let filtered = storage.is_filterable;
+    fn sample(&mut self, plan: &Plan, is_filtered: bool) -> Result<(), Error> {
+        let (fetch, values) = match plan.fetch {
+            Fetch::Stored => ("texture", vec![]),
+            Fetch::MarschnerLobb { frequency, alpha } => (
+                "marschner_lobb",
+                vec![("frequency", one(frequency)), ("alpha", one(alpha))],
+            ),
+            Fetch::Noise {
+                cell_voxels,
+                octaves,
+                seed,
+            } => (
+                "noise",
+                vec![
+                    ("cell_voxels", one(cell_voxels)),
+                    ("octaves", vec![f64::from(octaves)]),
+                    ("seed", vec![f64::from(seed)]),
+                ],
+            ),
+        };
+        self.put("fetch", fetch, values)?;
+        // The texture unit knows what is stored only.
+        let has_own_fetch = plan.modules.iter().any(|m| m.module.slot().name == "fetch");
+        let filtered = is_filtered && plan.fetch == Fetch::Stored && !has_own_fetch;
         let reconstruct = match plan.reconstruct {
             Reconstruct::Nearest => "nearest",
             Reconstruct::Trilinear if filtered => "trilinear_sampler",

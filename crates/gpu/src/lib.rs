@@ -22,10 +22,12 @@
 
 #![warn(missing_docs)]
 
+mod data;
 mod device;
 mod error;
 mod frame;
 mod functions;
+mod geometry;
 mod occupancy;
 mod pipelines;
 mod target;
@@ -34,34 +36,31 @@ mod volume_texture;
 pub use device::{Adapter, Device, adapters};
 pub use error::Error;
 
-use frame::Frame;
+use data::Data;
+use frame::{Frame, Object};
 use functions::Functions;
-use pipelines::Pipelines;
+use geometry::Geometry;
+use pipelines::{Pipelines, Ready};
 use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::time::Instant;
-use strahl_scene::Image;
-use strahl_scene::plan::{
-    ALL_OBJECTS, Classify, ClipShape, Composite, Fetch, GradientMethod, Jitter, ObjectSet, Plan,
-    Reconstruct, SampleClip,
-};
-use strahl_shader::{Linker, PARAMETERS_BINDING, Program, TABLE_ROW, ray_loop};
-use strahl_volume::{Volume, bricks::Bricks};
+use strahl_scene::plan::{Jitter, Plan};
+use strahl_scene::{Image, NoiseTile};
+use strahl_shader::{Linker, NOWHERE_MM, Program, RayLoop, TABLE_ROW, bindings, ray_loop};
+use strahl_volume::Datasets;
 use target::{PART, Target};
-use volume_texture::VolumeTexture;
+use wgpu::BindingResource::{Sampler, TextureView};
 
 /// A function that does nothing with the progress and never ends the picture.
 pub fn no_progress(_drawn: usize, _total: usize) -> ControlFlow<()> {
     ControlFlow::Continue(())
 }
 
-/// Draws Plans of one volume.
+/// Draws Plans of the same data.
 #[derive(Debug)]
-pub struct Renderer<'d> {
+pub struct Renderer<'d, 'v> {
     device: &'d Device,
-    grid: strahl_volume::Grid,
-    bricks: Bricks,
-    volume: VolumeTexture,
+    data: Data<'v>,
     linker: Linker,
     pipelines: Pipelines,
     target: Target,
@@ -73,6 +72,9 @@ pub struct Renderer<'d> {
 pub struct Rendered {
     /// The picture.
     pub image: Image,
+    /// Distance of the first hit or of opaque geometry from the start of each ray in mm, row by row,
+    /// infinite without; `None` if the Plan does not ask.
+    pub depth_mm: Option<Vec<f32>>,
     /// What it has cost.
     pub stats: Stats,
 }
@@ -80,156 +82,157 @@ pub struct Rendered {
 /// What a picture has cost.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Stats {
-    /// Copying the volume to the device, once per [`Renderer`].
+    /// Copying the data to the device, once per [`Renderer`].
     pub upload_seconds: f64,
     /// Linking the program and making its pipeline; almost nothing for a combination of functions
     /// that was drawn before.
     pub link_seconds: f64,
-    /// Table, bricks and parameters.
+    /// Tables, bricks and parameters.
     pub prepare_seconds: f64,
     /// Drawing and copying back.
     pub draw_seconds: f64,
 }
 
-/// Refuses what this renderer cannot draw yet.
-fn check_means(plan: &Plan) -> Result<(), Error> {
-    let of_some = |objects: ObjectSet| objects != ALL_OBJECTS;
-    let is_mask = |clip: &SampleClip| matches!(clip.shape, ClipShape::Mask { .. });
-    let means = [
-        (plan.objects.len() > 1, "several volumes"),
-        (!plan.meshes.is_empty(), "meshes"),
-        (plan.fetch != Fetch::Stored, "procedural volumes"),
-        (
-            plan.reconstruct == Reconstruct::BSplineInterpolating,
-            "interpolating B-splines",
-        ),
-        (
-            plan.classify == Classify::PreClassified,
-            "pre-classified volumes",
-        ),
-        (
-            plan.gradient.method == GradientMethod::BSpline,
-            "B-spline gradients",
-        ),
-        (plan.composite == Composite::BackToFront, "back to front"),
-        (matches!(plan.composite, Composite::Debug(_)), "debug views"),
-        (
-            !matches!(plan.lattice.jitter, Jitter::Centre | Jitter::Hash(_)),
-            "jitter by tiles and sine hashes",
-        ),
-        (plan.sample_clips.iter().any(is_mask), "clips by masks"),
-        (
-            plan.sample_clips.iter().any(|clip| of_some(clip.objects))
-                || plan.ray_clips.iter().any(|clip| of_some(clip.objects)),
-            "clips of single objects",
-        ),
-        (plan.with_depth, "a depth channel"),
-    ];
-    match means.into_iter().find(|(wanted, _)| *wanted) {
-        Some((_, what)) => Err(Error::NotYet(what)),
-        None => Ok(()),
-    }
+/// What the ray loop reads of a Plan beside its parameters.
+struct Prepared {
+    frame: Frame,
+    objects: Vec<Object>,
+    frame_buffer: wgpu::Buffer,
+    bindings: wgpu::BindGroup,
+    geometry: Option<Geometry>,
 }
 
-impl<'d> Renderer<'d> {
-    /// Copies `volume` to the device.
+impl<'d, 'v> Renderer<'d, 'v> {
+    /// Copies `data`, one volume or more, to the device. A volume with an edge longer than the device's
+    /// largest texture is cut into pages.
     ///
     /// # Errors
-    /// The volume does not fit, or the driver refuses.
-    pub fn new(device: &'d Device, volume: &Volume) -> Result<Renderer<'d>, Error> {
+    /// The data does not fit, or the driver refuses.
+    pub fn new(
+        device: &'d Device,
+        data: impl Into<Datasets<'v>>,
+    ) -> Result<Renderer<'d, 'v>, Error> {
+        let most = device.device.limits().max_texture_dimension_3d;
+        Renderer::with_largest_texture(device, data, most)
+    }
+
+    /// The same on a device whose textures have at most this many voxels along an axis: for tests, and to
+    /// leave room for others.
+    ///
+    /// # Errors
+    /// As [`Renderer::new`].
+    pub fn with_largest_texture(
+        device: &'d Device,
+        data: impl Into<Datasets<'v>>,
+        most: u32,
+    ) -> Result<Renderer<'d, 'v>, Error> {
         let start = Instant::now();
-        let texture = VolumeTexture::new(device, volume)?;
         Ok(Renderer {
-            pipelines: Pipelines::new(device, &texture.storage),
+            data: Data::new(device, data.into(), most)?,
+            pipelines: Pipelines::default(),
             target: Target::new(device),
-            grid: *volume.grid(),
-            bricks: Bricks::new(volume),
-            volume: texture,
             linker: Linker::new(),
             device,
             upload_seconds: start.elapsed().as_secs_f64(),
         })
     }
 
+    fn functions(&self, plan: &Plan) -> Result<Functions, Error> {
+        let threshold = |mask: usize, threshold| self.data.masks[mask].threshold(threshold);
+        Ok(Functions::of(plan, self.data.is_filtered(plan), threshold)?)
+    }
+
+    fn link(&mut self, plan: &Plan, functions: &Functions) -> Result<Arc<Program>, Error> {
+        let skeleton = ray_loop(&RayLoop {
+            volumes: self.data.texels(plan),
+            objects: plan.objects.len(),
+            is_before_geometry: !plan.meshes.is_empty(),
+        })?;
+        Ok(self.linker.link(&skeleton, &functions.selection)?)
+    }
+
     /// The program that would draw `plan`.
     ///
     /// # Errors
-    /// The functions cannot be linked.
+    /// The Plan belongs to other data, or its functions cannot be linked.
     pub fn program(&mut self, plan: &Plan) -> Result<Arc<Program>, Error> {
-        let storage = self.volume.storage;
-        let functions = Functions::of(plan, &storage)?;
-        Ok(self
-            .linker
-            .link(&ray_loop(storage.texels), &functions.selection)?)
+        self.data.check(plan)?;
+        self.data.make_coefficients(self.device, plan)?;
+        let functions = self.functions(plan)?;
+        self.link(plan, &functions)
+    }
+
+    /// Whether [`Renderer::render`] can begin at once. If not, the pipeline is being made in the background
+    /// from now on: a viewer goes on with the last Plan that is ready, and asks again.
+    ///
+    /// # Errors
+    /// As [`Renderer::program`]; the driver refuses the program.
+    pub fn is_ready(&mut self, plan: &Plan) -> Result<bool, Error> {
+        let program = self.program(plan)?;
+        let texels = self.data.texels(plan);
+        self.pipelines
+            .is_ready(self.device, &program, &texels, plan.with_depth)
     }
 
     /// Draws `plan`. `progress` is told the rows drawn and all rows, and may end the picture.
     ///
     /// # Errors
-    /// The Plan belongs to another grid, the device is lost or refuses, or `progress` says stop.
+    /// The Plan belongs to other data, the device is lost or refuses, or `progress` says stop.
     pub fn render(
         &mut self,
         plan: &Plan,
         progress: impl Fn(usize, usize) -> ControlFlow<()>,
     ) -> Result<Rendered, Error> {
-        let object = &plan.objects[0];
-        if object.grid.dims() != self.grid.dims() || !(object.is_moved || object.grid == self.grid)
-        {
-            return Err(Error::OtherGrid {
-                plan: object.grid.dims(),
-                volume: self.grid.dims(),
-            });
-        }
-        check_means(plan)?;
         let start = Instant::now();
-        let storage = self.volume.storage;
-        let functions = Functions::of(plan, &storage)?;
-        let skeleton = ray_loop(storage.texels);
-        let program = self.linker.link(&skeleton, &functions.selection)?;
-        self.pipelines.of(self.device, &program)?;
+        self.data.check(plan)?;
+        self.data.make_coefficients(self.device, plan)?;
+        let functions = self.functions(plan)?;
+        let program = self.link(plan, &functions)?;
+        let texels = self.data.texels(plan);
+        let ready = self
+            .pipelines
+            .of(self.device, &program, &texels, plan.with_depth)?;
         let linked = Instant::now();
-
-        let mut frame = Frame::of(plan, &storage);
-        let frame_buffer = self.uniform("frame", size_of::<Frame>());
         let parameters = functions.parameters(&program)?;
-        let parameter_buffer = self.uniform("parameters", parameters.len().max(16));
-        self.device
-            .queue
-            .write_buffer(&parameter_buffer, 0, &parameters);
-        let bindings = self.bindings(plan, &frame_buffer, &parameter_buffer);
+        let mut prepared = self.prepare(plan, &program, &ready, &parameters);
+        if plan.with_depth {
+            self.target.with_depth(self.device);
+        }
         self.device.check()?;
-        let prepared = Instant::now();
+        let prepared_at = Instant::now();
 
         let (width, height) = (plan.width as usize, plan.height as usize);
         let mut pixels = vec![[0.0; 4]; width * height];
         let frames = plan.lattice.frames;
         let mut sums = vec![[0.0f64; 4]; if frames == 1 { 0 } else { width * height }];
-        let pipeline = self.pipelines.of(self.device, &program)?;
+        let mut depth_mm = plan.with_depth.then(|| vec![f32::INFINITY; width * height]);
         let mut drawn = 0;
         for number in 0..frames {
-            frame.number = number;
+            prepared.frame.number = number;
             for y in (0..plan.height).step_by(PART as usize) {
                 for x in (0..plan.width).step_by(PART as usize) {
-                    frame.origin = [x, y];
-                    self.device
-                        .queue
-                        .write_buffer(&frame_buffer, 0, bytemuck::bytes_of(&frame));
                     let size = [PART.min(plan.width - x), PART.min(plan.height - y)];
-                    let (pixels, sums) = (&mut pixels, &mut sums);
-                    self.target
-                        .draw(self.device, pipeline, &bindings, size, |row, part| {
-                            let start = (y + row) as usize * width + x as usize;
-                            let place = start..start + part.len();
-                            if frames == 1 {
-                                pixels[place].copy_from_slice(part);
-                                return;
+                    self.draw_part(&mut prepared, &ready, [x, y], size, plan.with_depth)?;
+                    let color = self.target.color.read(self.device, size[1])?;
+                    for row in 0..size[1] {
+                        let start = (y + row) as usize * width + x as usize;
+                        let place = start..start + size[0] as usize;
+                        let part = bytemuck::cast_slice(color.row(row, size[0]));
+                        if frames == 1 {
+                            pixels[place].copy_from_slice(part);
+                            continue;
+                        }
+                        for (sum, pixel) in sums[place].iter_mut().zip::<&[[f32; 4]]>(part) {
+                            for (sum, c) in sum.iter_mut().zip(pixel) {
+                                *sum += f64::from(*c);
                             }
-                            for (sum, pixel) in sums[place].iter_mut().zip(part) {
-                                for (sum, c) in sum.iter_mut().zip(pixel) {
-                                    *sum += f64::from(*c);
-                                }
-                            }
-                        })?;
+                        }
+                    }
+                    if number == 0
+                        && let Some(depth_mm) = &mut depth_mm
+                    {
+                        self.read_depth(&prepared, [x, y], size, width, depth_mm)?;
+                    }
                 }
                 drawn += PART.min(plan.height - y) as usize;
                 if progress(drawn, frames as usize * height).is_break() {
@@ -243,82 +246,245 @@ impl<'d> Renderer<'d> {
         Ok(Rendered {
             image: Image::from_pixels(plan.width, plan.height, pixels)
                 .into_linear(plan.compositing),
+            depth_mm,
             stats: Stats {
                 upload_seconds: self.upload_seconds,
                 link_seconds: (linked - start).as_secs_f64(),
-                prepare_seconds: (prepared - linked).as_secs_f64(),
-                draw_seconds: prepared.elapsed().as_secs_f64(),
+                prepare_seconds: (prepared_at - linked).as_secs_f64(),
+                draw_seconds: prepared_at.elapsed().as_secs_f64(),
             },
         })
     }
 
-    fn uniform(&self, label: &str, bytes: usize) -> wgpu::Buffer {
-        self.device.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some(label),
-            size: bytes as u64,
-            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        })
+    fn draw_part(
+        &mut self,
+        prepared: &mut Prepared,
+        ready: &Ready,
+        origin: [u32; 2],
+        size: [u32; 2],
+        with_depth: bool,
+    ) -> Result<(), Error> {
+        prepared.frame.origin = origin;
+        let bytes = prepared.frame.bytes(&prepared.objects);
+        self.device
+            .queue
+            .write_buffer(&prepared.frame_buffer, 0, &bytes);
+        if let Some(geometry) = &mut prepared.geometry {
+            geometry.draw(self.device, &self.data.meshes, origin);
+        }
+        self.target.draw(
+            self.device,
+            &ready.pipeline,
+            &prepared.bindings,
+            size,
+            with_depth,
+        )
     }
 
-    fn bindings(
+    /// The nearer of what the volumes' rays hit and the geometry.
+    fn read_depth(
+        &self,
+        prepared: &Prepared,
+        [x, y]: [u32; 2],
+        size: [u32; 2],
+        width: usize,
+        depth_mm: &mut [f32],
+    ) -> Result<(), Error> {
+        let geometry = prepared.geometry.as_ref().map(|g| &g.distance);
+        for plane in [self.target.depth.as_ref(), geometry].into_iter().flatten() {
+            let rows = plane.read(self.device, size[1])?;
+            for row in 0..size[1] {
+                let start = (y + row) as usize * width + x as usize;
+                let place = start..start + size[0] as usize;
+                for (depth, found) in depth_mm[place].iter_mut().zip(rows.row(row, size[0])) {
+                    if *found < NOWHERE_MM {
+                        *depth = depth.min(*found);
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn prepare(
         &self,
         plan: &Plan,
-        frame: &wgpu::Buffer,
-        parameters: &wgpu::Buffer,
-    ) -> wgpu::BindGroup {
+        program: &Program,
+        ready: &Ready,
+        parameters: &[u8],
+    ) -> Prepared {
+        let frame = Frame::of(plan);
+        let mut objects: Vec<_> = plan
+            .objects
+            .iter()
+            .map(|object| {
+                let (slope, intercept) = self.data.value_of_texel(plan, object);
+                Object::of(plan, object, slope, intercept)
+            })
+            .collect();
+        let tables = self.tables(plan, &mut objects);
+        let bricks = self.bricks(plan, &mut objects);
+        let pages = self.pages(plan, &mut objects);
+        let tile = self.noise_tile(plan);
+        let geometry =
+            (!plan.meshes.is_empty()).then(|| Geometry::new(self.device, &self.data.meshes, plan));
+        let frame_buffer = self.uniform("frame", &frame.bytes(&objects));
+        let parameter_buffer = self.uniform("parameters", parameters);
         let device = &self.device.device;
-        let filter = if self.volume.storage.is_filterable {
-            wgpu::FilterMode::Linear
-        } else {
-            wgpu::FilterMode::Nearest
-        };
         let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
             label: Some("volume"),
-            mag_filter: filter,
-            min_filter: filter,
+            mag_filter: wgpu::FilterMode::Linear,
+            min_filter: wgpu::FilterMode::Linear,
             ..Default::default()
         });
-        let table = self.table(plan);
-        let bricks = self.occupancy(plan);
-        let entries = [
-            (0, frame.as_entire_binding()),
-            (PARAMETERS_BINDING, parameters.as_entire_binding()),
-            (2, wgpu::BindingResource::TextureView(&self.volume.view)),
-            (3, wgpu::BindingResource::Sampler(&sampler)),
-            (4, wgpu::BindingResource::TextureView(&table)),
-            (5, wgpu::BindingResource::TextureView(&bricks)),
-        ]
-        .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource });
-        device.create_bind_group(&wgpu::BindGroupDescriptor {
+        // What a program does not read is not in its layout; what it declares without a use is bound to
+        // the small texture of its kind.
+        let nothing = self.texture(
+            "nothing",
+            wgpu::TextureDimension::D3,
+            wgpu::TextureFormat::R32Float,
+            [1; 3],
+            &[0; 4],
+        );
+        let entries: Vec<_> = program
+            .bindings()
+            .into_iter()
+            .map(|binding| {
+                let resource = match binding {
+                    bindings::FRAME => frame_buffer.as_entire_binding(),
+                    bindings::PARAMETERS => parameter_buffer.as_entire_binding(),
+                    bindings::VOLUME_SAMPLER => Sampler(&sampler),
+                    bindings::TABLES => TextureView(&tables),
+                    bindings::BRICKS => TextureView(&bricks),
+                    bindings::NOISE_TILE => TextureView(&tile),
+                    bindings::PAGES => TextureView(&pages),
+                    bindings::OPAQUE_MM | bindings::OPAQUE_COLOR => match &geometry {
+                        Some(geometry) if binding == bindings::OPAQUE_MM => {
+                            TextureView(&geometry.distance.view)
+                        }
+                        Some(geometry) => TextureView(&geometry.color.view),
+                        None => TextureView(&self.target.color.view),
+                    },
+                    _ if binding < bindings::FIRST_VOLUME => {
+                        let mask = (binding - bindings::FIRST_MASK) as usize;
+                        TextureView(self.data.masks.get(mask).map_or(&nothing, |m| m.view()))
+                    }
+                    _ => {
+                        let volume = (binding - bindings::FIRST_VOLUME) as usize;
+                        TextureView(self.data.view(plan, volume))
+                    }
+                };
+                wgpu::BindGroupEntry { binding, resource }
+            })
+            .collect();
+        let bindings = device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("ray loop"),
-            layout: &self.pipelines.bindings,
+            layout: &ready.layout,
             entries: &entries,
-        })
+        });
+        Prepared {
+            frame,
+            objects,
+            frame_buffer,
+            bindings,
+            geometry,
+        }
     }
 
-    /// The transfer table in rows of [`TABLE_ROW`] entries.
-    fn table(&self, plan: &Plan) -> wgpu::TextureView {
-        let mut entries = plan.objects[0].table.entries().to_vec();
-        let width = (entries.len() as u32).min(TABLE_ROW);
-        let height = (entries.len() as u32).div_ceil(TABLE_ROW);
-        entries.resize((width * height) as usize, [0.0; 4]);
+    fn uniform(&self, label: &str, bytes: &[u8]) -> wgpu::Buffer {
+        let buffer = self.device.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(label),
+            size: bytes.len().max(16) as u64,
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        self.device.queue.write_buffer(&buffer, 0, bytes);
+        buffer
+    }
+
+    /// The transfer tables of all objects in rows of [`TABLE_ROW`] entries.
+    fn tables(&self, plan: &Plan, objects: &mut [Object]) -> wgpu::TextureView {
+        let mut entries = Vec::new();
+        for (planned, object) in plan.objects.iter().zip(objects) {
+            object.table_first = entries.len() as u32;
+            entries.extend_from_slice(planned.table.entries());
+            entries.resize(entries.len().next_multiple_of(TABLE_ROW as usize), [0.0; 4]);
+        }
         self.texture(
-            "transfer table",
+            "transfer tables",
             wgpu::TextureDimension::D2,
             wgpu::TextureFormat::Rgba32Float,
-            [width, height, 1],
+            [TABLE_ROW, entries.len() as u32 / TABLE_ROW, 1],
             bytemuck::cast_slice(&entries),
         )
     }
 
-    fn occupancy(&self, plan: &Plan) -> wgpu::TextureView {
+    /// Which bricks can be seen, the objects behind one another along z.
+    fn bricks(&self, plan: &Plan, objects: &mut [Object]) -> wgpu::TextureView {
+        let of_object: Vec<_> = (0..objects.len())
+            .map(|i| {
+                let bricks = self.data.bricks(plan, i);
+                let dims = bricks.dims().map(|n| n as u32);
+                (dims, occupancy::occupancy(bricks, plan, i))
+            })
+            .collect();
+        let (dims, bytes, first) = stacked(&of_object);
+        for (object, first) in objects.iter_mut().zip(first) {
+            object.bricks_first = [0, 0, first];
+        }
         self.texture(
             "bricks",
             wgpu::TextureDimension::D3,
             wgpu::TextureFormat::R8Uint,
-            self.bricks.dims().map(|n| n as u32),
-            &occupancy::occupancy(&self.bricks, plan, 0),
+            dims,
+            &bytes,
+        )
+    }
+
+    /// The page tables of all paged volumes.
+    fn pages(&self, plan: &Plan, objects: &mut [Object]) -> wgpu::TextureView {
+        let of_object: Vec<_> = plan
+            .objects
+            .iter()
+            .map(|object| match self.data.pages(plan, object.volume) {
+                Some(pages) => {
+                    let entries = pages.entries.chunks_exact(2);
+                    (pages.dims, entries.map(|e| [e[0], e[1]]).collect())
+                }
+                None => ([1; 3], vec![[0u32; 2]]),
+            })
+            .collect();
+        let (dims, entries, first) = stacked(&of_object);
+        for (object, first) in objects.iter_mut().zip(first) {
+            object.pages_first = [0, 0, first];
+        }
+        self.texture(
+            "pages",
+            wgpu::TextureDimension::D3,
+            wgpu::TextureFormat::Rg32Uint,
+            dims,
+            bytemuck::cast_slice(&entries),
+        )
+    }
+
+    fn noise_tile(&self, plan: &Plan) -> wgpu::TextureView {
+        let (edge, values) = match plan.lattice.jitter {
+            Jitter::WhiteTile(seed) => {
+                let tile = NoiseTile::white(seed);
+                (tile.edge(), tile.values().to_vec())
+            }
+            Jitter::BlueTile(seed) => {
+                let tile = NoiseTile::blue(seed);
+                (tile.edge(), tile.values().to_vec())
+            }
+            Jitter::Centre | Jitter::Hash(_) | Jitter::SineHash => (1, vec![0.5]),
+        };
+        self.texture(
+            "noise tile",
+            wgpu::TextureDimension::D2,
+            wgpu::TextureFormat::R32Float,
+            [edge, edge, 1],
+            bytemuck::cast_slice(&values),
         )
     }
 
@@ -358,4 +524,28 @@ impl<'d> Renderer<'d> {
         );
         texture.create_view(&wgpu::TextureViewDescriptor::default())
     }
+}
+
+/// Blocks behind one another along z, in one block that is wide enough for all: its dimensions, its
+/// elements, and where each begins.
+fn stacked<T: Copy + Default>(blocks: &[([u32; 3], Vec<T>)]) -> ([u32; 3], Vec<T>, Vec<u32>) {
+    let most = |axis: usize| blocks.iter().map(|(dims, _)| dims[axis]).max().unwrap_or(1);
+    let (width, height) = (most(0), most(1));
+    let depth: u32 = blocks.iter().map(|(dims, _)| dims[2]).sum();
+    let mut all = vec![T::default(); (width * height) as usize * depth as usize];
+    let mut first = Vec::new();
+    let mut z0 = 0;
+    for (dims, elements) in blocks {
+        first.push(z0);
+        let [nx, ny, nz] = dims.map(|n| n as usize);
+        for z in 0..nz {
+            for y in 0..ny {
+                let from = nx * (y + ny * z);
+                let to = width as usize * (y + height as usize * (z + z0 as usize));
+                all[to..to + nx].copy_from_slice(&elements[from..from + nx]);
+            }
+        }
+        z0 += dims[2];
+    }
+    ([width, height, depth], all, first)
 }

@@ -1,4 +1,4 @@
-//! Which bricks of a volume can show anything under a Plan.
+//! Which bricks can show anything under a Plan.
 
 use strahl_scene::plan::Plan;
 use strahl_scene::visibility::Contribution;

@@ -2,130 +2,223 @@
 
 use crate::device::Device;
 use crate::error::Error;
-use crate::volume_texture::Storage;
 use std::sync::Arc;
-use strahl_shader::{PARAMETERS_BINDING, Program};
+use std::sync::mpsc::{Receiver, channel};
+use strahl_shader::{Program, Texels, bindings};
 
 /// What the ray loop draws into: linear, premultiplied, as computed.
-pub const TARGET: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
+pub const COLOR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 
-/// The pipelines for textures of one storage.
+/// Distances along rays, in mm.
+pub const DISTANCE: wgpu::TextureFormat = wgpu::TextureFormat::R32Float;
+
+/// A program ready to run.
 #[derive(Debug)]
+pub struct Ready {
+    pub pipeline: wgpu::RenderPipeline,
+    pub layout: wgpu::BindGroupLayout,
+}
+
+/// What decides about a pipeline. The texels are those of the volumes that the program reads.
+#[derive(Clone, Debug)]
+struct Key {
+    program: Arc<Program>,
+    with_depth: bool,
+}
+
+impl Key {
+    fn is(&self, program: &Arc<Program>, with_depth: bool) -> bool {
+        Arc::ptr_eq(&self.program, program) && self.with_depth == with_depth
+    }
+}
+
+/// The pipelines that were made, and those that are being made.
+#[derive(Debug, Default)]
 pub struct Pipelines {
-    pub bindings: wgpu::BindGroupLayout,
-    layout: wgpu::PipelineLayout,
-    made: Vec<(Arc<Program>, wgpu::RenderPipeline)>,
+    made: Vec<(Key, Arc<Ready>)>,
+    in_making: Vec<(Key, Receiver<Ready>)>,
 }
 
 impl Pipelines {
-    pub fn new(device: &Device, storage: &Storage) -> Pipelines {
-        use strahl_shader::Texels;
-        let uniform = wgpu::BindingType::Buffer {
-            ty: wgpu::BufferBindingType::Uniform,
-            has_dynamic_offset: false,
-            min_binding_size: None,
-        };
-        let texture = |sample_type, view_dimension| wgpu::BindingType::Texture {
-            sample_type,
-            view_dimension,
-            multisampled: false,
-        };
-        let filterable = storage.is_filterable;
-        let volume = match storage.texels {
-            Texels::Float => wgpu::TextureSampleType::Float { filterable },
-            Texels::Unsigned => wgpu::TextureSampleType::Uint,
-            Texels::Signed => wgpu::TextureSampleType::Sint,
-        };
-        let sampler = if filterable {
-            wgpu::SamplerBindingType::Filtering
-        } else {
-            wgpu::SamplerBindingType::NonFiltering
-        };
-        let unfilterable = wgpu::TextureSampleType::Float { filterable: false };
-        use wgpu::TextureViewDimension::{D2, D3};
-        let entries = [
-            (0, uniform),
-            (PARAMETERS_BINDING, uniform),
-            (2, texture(volume, D3)),
-            (3, wgpu::BindingType::Sampler(sampler)),
-            (4, texture(unfilterable, D2)),
-            (5, texture(wgpu::TextureSampleType::Uint, D3)),
-        ]
-        .map(|(binding, ty)| wgpu::BindGroupLayoutEntry {
-            binding,
-            visibility: wgpu::ShaderStages::FRAGMENT,
-            ty,
-            count: None,
-        });
-        let bindings = device
-            .device
-            .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-                label: Some("ray loop"),
-                entries: &entries,
-            });
-        let layout = device
-            .device
-            .create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-                label: Some("ray loop"),
-                bind_group_layouts: &[Some(&bindings)],
-                immediate_size: 0,
-            });
-        Pipelines {
-            bindings,
-            layout,
-            made: Vec::new(),
-        }
-    }
-
     /// The pipeline of `program`: made on the first call, found on the others.
     pub fn of(
         &mut self,
         device: &Device,
         program: &Arc<Program>,
-    ) -> Result<&wgpu::RenderPipeline, Error> {
-        let found = self.made.iter().position(|(p, _)| Arc::ptr_eq(p, program));
-        let index = match found {
-            Some(index) => index,
-            None => {
-                let pipeline = self.make(device, program);
-                device.check()?;
-                self.made.push((program.clone(), pipeline));
-                self.made.len() - 1
+        texels: &[Texels],
+        with_depth: bool,
+    ) -> Result<Arc<Ready>, Error> {
+        if let Some(found) = self.found(program, with_depth) {
+            return Ok(found);
+        }
+        let begun = self
+            .in_making
+            .iter()
+            .position(|(key, _)| key.is(program, with_depth));
+        let ready = match begun {
+            Some(index) => {
+                let (_, receiver) = self.in_making.swap_remove(index);
+                receiver
+                    .recv()
+                    .map_err(|why| Error::Driver(why.to_string()))?
             }
+            None => make(&device.device, program, texels, with_depth),
         };
-        Ok(&self.made[index].1)
+        device.check()?;
+        Ok(self.keep(program, with_depth, ready))
     }
 
-    fn make(&self, device: &Device, program: &Program) -> wgpu::RenderPipeline {
-        // With all checks: indices stay inside, and no loop turns for ever.
-        let module = device
-            .device
-            .create_shader_module(wgpu::ShaderModuleDescriptor {
-                label: Some("ray loop"),
-                source: wgpu::ShaderSource::Wgsl(program.wgsl().into()),
-            });
-        device
-            .device
-            .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-                label: Some("ray loop"),
-                layout: Some(&self.layout),
-                vertex: wgpu::VertexState {
-                    module: &module,
-                    entry_point: Some("vertex"),
-                    compilation_options: Default::default(),
-                    buffers: &[],
-                },
-                primitive: Default::default(),
-                depth_stencil: None,
-                multisample: Default::default(),
-                fragment: Some(wgpu::FragmentState {
-                    module: &module,
-                    entry_point: Some("fragment"),
-                    compilation_options: Default::default(),
-                    targets: &[Some(TARGET.into())],
-                }),
-                multiview_mask: None,
-                cache: None,
-            })
+    /// Whether the pipeline of `program` is made; if not, a thread makes it from now on.
+    pub fn is_ready(
+        &mut self,
+        device: &Device,
+        program: &Arc<Program>,
+        texels: &[Texels],
+        with_depth: bool,
+    ) -> Result<bool, Error> {
+        if self.found(program, with_depth).is_some() {
+            return Ok(true);
+        }
+        let begun = self
+            .in_making
+            .iter()
+            .position(|(key, _)| key.is(program, with_depth));
+        match begun {
+            Some(index) => {
+                let Ok(ready) = self.in_making[index].1.try_recv() else {
+                    return Ok(false);
+                };
+                self.in_making.swap_remove(index);
+                device.check()?;
+                self.keep(program, with_depth, ready);
+                Ok(true)
+            }
+            None => {
+                let (sender, receiver) = channel();
+                let (device, texels) = (device.device.clone(), texels.to_vec());
+                let key = Key {
+                    program: program.clone(),
+                    with_depth,
+                };
+                let program = program.clone();
+                std::thread::spawn(move || {
+                    // Nobody listens any more if the renderer is gone.
+                    let _ = sender.send(make(&device, &program, &texels, with_depth));
+                });
+                self.in_making.push((key, receiver));
+                Ok(false)
+            }
+        }
     }
+
+    fn found(&self, program: &Arc<Program>, with_depth: bool) -> Option<Arc<Ready>> {
+        let found = self
+            .made
+            .iter()
+            .find(|(key, _)| key.is(program, with_depth));
+        found.map(|(_, ready)| ready.clone())
+    }
+
+    fn keep(&mut self, program: &Arc<Program>, with_depth: bool, ready: Ready) -> Arc<Ready> {
+        let ready = Arc::new(ready);
+        let key = Key {
+            program: program.clone(),
+            with_depth,
+        };
+        self.made.push((key, ready.clone()));
+        ready
+    }
+}
+
+/// What may be bound at a place of group 0.
+fn binding_type(binding: u32, texels: &[Texels]) -> wgpu::BindingType {
+    use wgpu::TextureSampleType::{Float, Sint, Uint};
+    use wgpu::TextureViewDimension::{D2, D3};
+    let texture = |sample_type, view_dimension| wgpu::BindingType::Texture {
+        sample_type,
+        view_dimension,
+        multisampled: false,
+    };
+    let unfilterable = Float { filterable: false };
+    match binding {
+        bindings::FRAME | bindings::PARAMETERS => wgpu::BindingType::Buffer {
+            ty: wgpu::BufferBindingType::Uniform,
+            has_dynamic_offset: false,
+            min_binding_size: None,
+        },
+        bindings::VOLUME_SAMPLER => wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
+        bindings::BRICKS | bindings::PAGES => texture(Uint, D3),
+        bindings::TABLES | bindings::NOISE_TILE | bindings::OPAQUE_MM | bindings::OPAQUE_COLOR => {
+            texture(unfilterable, D2)
+        }
+        _ if binding < bindings::FIRST_VOLUME => texture(unfilterable, D3),
+        _ => {
+            let volume = (binding - bindings::FIRST_VOLUME) as usize;
+            let sample_type = match texels[volume] {
+                Texels::Float => Float { filterable: true },
+                Texels::UnfilterableFloat | Texels::FloatPages => unfilterable,
+                Texels::Unsigned | Texels::UnsignedPages => Uint,
+                Texels::Signed | Texels::SignedPages => Sint,
+            };
+            texture(sample_type, D3)
+        }
+    }
+}
+
+fn make(device: &wgpu::Device, program: &Program, texels: &[Texels], with_depth: bool) -> Ready {
+    let entries: Vec<_> = program
+        .bindings()
+        .into_iter()
+        .map(|binding| wgpu::BindGroupLayoutEntry {
+            binding,
+            visibility: wgpu::ShaderStages::FRAGMENT,
+            ty: binding_type(binding, texels),
+            count: None,
+        })
+        .collect();
+    let label = Some("ray loop");
+    let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        label,
+        entries: &entries,
+    });
+    let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label,
+        bind_group_layouts: &[Some(&layout)],
+        immediate_size: 0,
+    });
+    // With all checks: indices stay inside, and no loop turns for ever.
+    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label,
+        source: wgpu::ShaderSource::Wgsl(program.wgsl().into()),
+    });
+    let (entry_point, targets) = if with_depth {
+        (
+            "fragment_with_depth",
+            &[Some(COLOR.into()), Some(DISTANCE.into())][..],
+        )
+    } else {
+        ("fragment", &[Some(COLOR.into())][..])
+    };
+    let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label,
+        layout: Some(&pipeline_layout),
+        vertex: wgpu::VertexState {
+            module: &module,
+            entry_point: Some("vertex"),
+            compilation_options: Default::default(),
+            buffers: &[],
+        },
+        primitive: Default::default(),
+        depth_stencil: None,
+        multisample: Default::default(),
+        fragment: Some(wgpu::FragmentState {
+            module: &module,
+            entry_point: Some(entry_point),
+            compilation_options: Default::default(),
+            targets,
+        }),
+        multiview_mask: None,
+        cache: None,
+    });
+    Ready { pipeline, layout }
 }

@@ -2,32 +2,27 @@
 
 use crate::device::Device;
 use crate::error::Error;
-use crate::pipelines::TARGET;
+use crate::pipelines::{COLOR, DISTANCE};
 use std::time::{Duration, Instant};
 
 /// Edge of a part in pixels.
 pub const PART: u32 = 512;
 
-/// Bytes of a pixel.
-const PIXEL_BYTES: u32 = 16;
-
 /// How long one submission should take: far below the seconds after which drivers reset a device.
 const BUDGET: Duration = Duration::from_millis(100);
 
-/// A texture to draw into and a buffer to read it from.
+/// A texture of the size of a part.
 #[derive(Debug)]
-pub struct Target {
+pub struct Plane {
     texture: wgpu::Texture,
-    view: wgpu::TextureView,
-    buffer: wgpu::Buffer,
-    /// Rows that one submission draws; follows the time that they take.
-    rows: u32,
+    pub view: wgpu::TextureView,
+    texel_bytes: u32,
 }
 
-impl Target {
-    pub fn new(device: &Device) -> Target {
+impl Plane {
+    pub fn new(device: &Device, label: &str, format: wgpu::TextureFormat) -> Plane {
         let texture = device.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("picture part"),
+            label: Some(label),
             size: wgpu::Extent3d {
                 width: PART,
                 height: PART,
@@ -36,95 +31,46 @@ impl Target {
             mip_level_count: 1,
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
-            format: TARGET,
-            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
+            format,
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT
+                | wgpu::TextureUsages::TEXTURE_BINDING
+                | wgpu::TextureUsages::COPY_SRC,
             view_formats: &[],
         });
-        Target {
+        Plane {
             view: texture.create_view(&wgpu::TextureViewDescriptor::default()),
             texture,
-            buffer: device.device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some("picture part"),
-                size: u64::from(PART * PART * PIXEL_BYTES),
-                usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
-                mapped_at_creation: false,
-            }),
-            // The first submission finds out how fast the device is.
-            rows: 16,
+            texel_bytes: format.block_copy_size(None).unwrap_or(4),
         }
     }
 
-    /// Draws `width` × `height` pixels strip by strip and gives each row to `row`.
-    pub fn draw(
-        &mut self,
-        device: &Device,
-        pipeline: &wgpu::RenderPipeline,
-        bindings: &wgpu::BindGroup,
-        [width, height]: [u32; 2],
-        mut row: impl FnMut(u32, &[[f32; 4]]),
-    ) -> Result<(), Error> {
-        let mut top = 0;
-        while top < height {
-            let rows = self.rows.min(height - top);
-            let start = Instant::now();
-            self.strip(device, pipeline, bindings, [width, top, rows]);
-            device.wait()?;
-            let took = start.elapsed();
-            if took > BUDGET && self.rows > 1 {
-                self.rows /= 2;
-            } else if took < BUDGET / 4 && self.rows < PART {
-                self.rows *= 2;
-            }
-            top += rows;
-        }
-        self.read(device, [width, height], &mut row)
+    /// As what is drawn into, beside what is there.
+    fn attachment(&self) -> Option<wgpu::RenderPassColorAttachment<'_>> {
+        Some(wgpu::RenderPassColorAttachment {
+            view: &self.view,
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations {
+                load: wgpu::LoadOp::Load,
+                store: wgpu::StoreOp::Store,
+            },
+        })
     }
 
-    fn strip(
-        &self,
-        device: &Device,
-        pipeline: &wgpu::RenderPipeline,
-        bindings: &wgpu::BindGroup,
-        [width, top, rows]: [u32; 3],
-    ) {
-        let mut encoder = device.device.create_command_encoder(&Default::default());
-        {
-            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                label: Some("ray loop"),
-                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                    view: &self.view,
-                    depth_slice: None,
-                    resolve_target: None,
-                    ops: wgpu::Operations {
-                        load: wgpu::LoadOp::Load,
-                        store: wgpu::StoreOp::Store,
-                    },
-                })],
-                depth_stencil_attachment: None,
-                timestamp_writes: None,
-                occlusion_query_set: None,
-                multiview_mask: None,
-            });
-            pass.set_pipeline(pipeline);
-            pass.set_bind_group(0, bindings, &[]);
-            pass.set_scissor_rect(0, top, width, rows);
-            pass.draw(0..3, 0..1);
-        }
-        device.queue.submit([encoder.finish()]);
-    }
-
-    fn read(
-        &self,
-        device: &Device,
-        [width, height]: [u32; 2],
-        row: &mut impl FnMut(u32, &[[f32; 4]]),
-    ) -> Result<(), Error> {
-        let bytes_per_row = PART * PIXEL_BYTES;
+    /// The first `height` rows.
+    pub fn read(&self, device: &Device, height: u32) -> Result<Rows, Error> {
+        let bytes_per_row = PART * self.texel_bytes;
+        let buffer = device.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("picture part"),
+            size: u64::from(bytes_per_row) * u64::from(height),
+            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+            mapped_at_creation: false,
+        });
         let mut encoder = device.device.create_command_encoder(&Default::default());
         encoder.copy_texture_to_buffer(
             self.texture.as_image_copy(),
             wgpu::TexelCopyBufferInfo {
-                buffer: &self.buffer,
+                buffer: &buffer,
                 layout: wgpu::TexelCopyBufferLayout {
                     offset: 0,
                     bytes_per_row: Some(bytes_per_row),
@@ -139,7 +85,7 @@ impl Target {
         );
         device.queue.submit([encoder.finish()]);
         let (sender, receiver) = std::sync::mpsc::channel();
-        self.buffer
+        buffer
             .slice(..)
             .map_async(wgpu::MapMode::Read, move |result| {
                 // Nobody listens only if the call below has failed.
@@ -151,18 +97,109 @@ impl Target {
             Ok(Err(why)) => return Err(Error::Driver(why.to_string())),
             Err(why) => return Err(Error::Driver(why.to_string())),
         }
-        {
-            let mapped = self.buffer.slice(..).get_mapped_range();
-            let mapped = mapped.map_err(|why| Error::Driver(why.to_string()))?;
-            let mut pixels = vec![[0.0f32; 4]; width as usize];
-            for y in 0..height {
-                let start = (y * bytes_per_row) as usize;
-                let bytes = &mapped[start..start + pixels.len() * PIXEL_BYTES as usize];
-                bytemuck::cast_slice_mut(&mut pixels).copy_from_slice(bytes);
-                row(y, &pixels);
-            }
+        let mapped = buffer.slice(..).get_mapped_range();
+        let mapped = mapped.map_err(|why| Error::Driver(why.to_string()))?;
+        let mut numbers = vec![0.0f32; mapped.len() / 4];
+        bytemuck::cast_slice_mut(&mut numbers).copy_from_slice(&mapped);
+        Ok(Rows {
+            numbers,
+            channels: (self.texel_bytes / 4) as usize,
+        })
+    }
+}
+
+/// Rows of a part, read back.
+pub struct Rows {
+    numbers: Vec<f32>,
+    channels: usize,
+}
+
+impl Rows {
+    /// The first `width` texels of row `y`, channel by channel.
+    pub fn row(&self, y: u32, width: u32) -> &[f32] {
+        let start = y as usize * PART as usize * self.channels;
+        &self.numbers[start..start + width as usize * self.channels]
+    }
+}
+
+/// What the ray loop draws into.
+#[derive(Debug)]
+pub struct Target {
+    pub color: Plane,
+    pub depth: Option<Plane>,
+    /// Rows that one submission draws; follows the time that they take.
+    rows: u32,
+}
+
+impl Target {
+    pub fn new(device: &Device) -> Target {
+        Target {
+            color: Plane::new(device, "picture part", COLOR),
+            depth: None,
+            // The first submission finds out how fast the device is.
+            rows: 16,
         }
-        self.buffer.unmap();
+    }
+
+    /// Makes room for distances.
+    pub fn with_depth(&mut self, device: &Device) {
+        self.depth
+            .get_or_insert_with(|| Plane::new(device, "depth part", DISTANCE));
+    }
+
+    /// Draws `width` × `height` pixels strip by strip.
+    pub fn draw(
+        &mut self,
+        device: &Device,
+        pipeline: &wgpu::RenderPipeline,
+        bindings: &wgpu::BindGroup,
+        [width, height]: [u32; 2],
+        with_depth: bool,
+    ) -> Result<(), Error> {
+        let mut top = 0;
+        while top < height {
+            let rows = self.rows.min(height - top);
+            let start = Instant::now();
+            self.strip(device, pipeline, bindings, [width, top, rows], with_depth);
+            device.wait()?;
+            let took = start.elapsed();
+            if took > BUDGET && self.rows > 1 {
+                self.rows /= 2;
+            } else if took < BUDGET / 4 && self.rows < PART {
+                self.rows *= 2;
+            }
+            top += rows;
+        }
         Ok(())
+    }
+
+    fn strip(
+        &self,
+        device: &Device,
+        pipeline: &wgpu::RenderPipeline,
+        bindings: &wgpu::BindGroup,
+        [width, top, rows]: [u32; 3],
+        with_depth: bool,
+    ) {
+        let mut attachments = vec![self.color.attachment()];
+        if with_depth && let Some(depth) = &self.depth {
+            attachments.push(depth.attachment());
+        }
+        let mut encoder = device.device.create_command_encoder(&Default::default());
+        {
+            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                label: Some("ray loop"),
+                color_attachments: &attachments,
+                depth_stencil_attachment: None,
+                timestamp_writes: None,
+                occlusion_query_set: None,
+                multiview_mask: None,
+            });
+            pass.set_pipeline(pipeline);
+            pass.set_bind_group(0, bindings, &[]);
+            pass.set_scissor_rect(0, top, width, rows);
+            pass.draw(0..3, 0..1);
+        }
+        device.queue.submit([encoder.finish()]);
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::device::Device;
 use crate::error::Error;
-use strahl_shader::Texels;
+use strahl_shader::{PAGE_VOXELS, Texels};
 use strahl_volume::{SampleType, Samples, Volume};
 use wgpu::TextureFormat;
 
@@ -11,6 +11,16 @@ use wgpu::TextureFormat;
 pub struct VolumeTexture {
     pub view: wgpu::TextureView,
     pub storage: Storage,
+    /// Where its pages are in the texture, if it is an atlas.
+    pub pages: Option<Pages>,
+}
+
+/// The page table of a volume.
+#[derive(Debug)]
+pub struct Pages {
+    pub dims: [u32; 3],
+    /// Two numbers per page: `strahl_shader::bindings::PAGES` says what they mean.
+    pub entries: Vec<u32>,
 }
 
 /// How samples lie in a texture. A stored number is `scale · texel + shift`.
@@ -28,6 +38,23 @@ pub struct Storage {
 const SLAB_BYTES: usize = 32 << 20;
 
 impl Storage {
+    fn texel_bytes(&self) -> usize {
+        self.format.block_copy_size(None).unwrap_or(4) as usize
+    }
+
+    /// The same in an atlas, which no texture unit interpolates.
+    fn paged(self) -> Storage {
+        Storage {
+            texels: match self.texels {
+                Texels::Unsigned | Texels::UnsignedPages => Texels::UnsignedPages,
+                Texels::Signed | Texels::SignedPages => Texels::SignedPages,
+                _ => Texels::FloatPages,
+            },
+            is_filterable: false,
+            ..self
+        }
+    }
+
     /// The format for samples of this type on this device.
     pub fn of(sample_type: SampleType, device: &Device) -> Storage {
         let features = device.device.features();
@@ -62,42 +89,28 @@ impl Storage {
             SampleType::U16 => storage(TextureFormat::R16Uint, Texels::Unsigned, false, 1.0, 0.0),
             SampleType::I16 => storage(TextureFormat::R16Sint, Texels::Signed, false, 1.0, 0.0),
             SampleType::U32 | SampleType::I32 | SampleType::F32 | SampleType::F64 => {
-                storage(TextureFormat::R32Float, Texels::Float, float32, 1.0, 0.0)
+                let texels = if float32 {
+                    Texels::Float
+                } else {
+                    Texels::UnfilterableFloat
+                };
+                storage(TextureFormat::R32Float, texels, float32, 1.0, 0.0)
             }
         }
     }
 }
 
 impl VolumeTexture {
-    /// Copies the samples to the device.
-    pub fn new(device: &Device, volume: &Volume) -> Result<VolumeTexture, Error> {
+    /// Copies the samples to the device: as one texture, or in pages if an edge is longer than `most`.
+    pub fn new(device: &Device, volume: &Volume, most: u32) -> Result<VolumeTexture, Error> {
         let dims = volume.grid().dims();
-        let storage = Storage::of(volume.samples().sample_type(), device);
-        let limits = device.device.limits();
-        let most = limits.max_texture_dimension_3d;
-        let texel_bytes = storage.format.block_copy_size(None).unwrap_or(4) as usize;
-        let [x, y, z] = dims.map(|n| u32::try_from(n).unwrap_or(u32::MAX));
-        if [x, y, z].iter().any(|n| *n > most) {
-            return Err(Error::TooLarge {
-                dims,
-                most,
-                most_bytes: u64::from(most).pow(3) * texel_bytes as u64,
-            });
+        if dims.iter().any(|n| *n > most as usize) {
+            return VolumeTexture::in_pages(device, volume, most);
         }
-        let texture = device.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("volume"),
-            size: wgpu::Extent3d {
-                width: x,
-                height: y,
-                depth_or_array_layers: z,
-            },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D3,
-            format: storage.format,
-            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-            view_formats: &[],
-        });
+        let storage = Storage::of(volume.samples().sample_type(), device);
+        let texel_bytes = storage.texel_bytes();
+        let [x, y, z] = dims.map(|n| n as u32);
+        let texture = texture(device, storage.format, [x, y, z]);
         device.check()?;
         let slice = dims[0] * dims[1];
         // A slice of 16384² voxels is larger than a slab should be, so slabs are made of rows.
@@ -117,28 +130,13 @@ impl VolumeTexture {
                 };
                 bytes.clear();
                 encode(volume.samples(), start, len, storage.format, &mut bytes);
-                device.queue.write_texture(
-                    wgpu::TexelCopyTextureInfo {
-                        texture: &texture,
-                        mip_level: 0,
-                        origin: wgpu::Origin3d {
-                            x: 0,
-                            y: first_row as u32,
-                            z: first_slice as u32,
-                        },
-                        aspect: wgpu::TextureAspect::All,
-                    },
+                let origin = [0, first_row as u32, first_slice as u32];
+                write(
+                    device,
+                    &texture,
                     &bytes,
-                    wgpu::TexelCopyBufferLayout {
-                        offset: 0,
-                        bytes_per_row: Some((dims[0] * texel_bytes) as u32),
-                        rows_per_image: Some(rows as u32),
-                    },
-                    wgpu::Extent3d {
-                        width: x,
-                        height: rows as u32,
-                        depth_or_array_layers: slices as u32,
-                    },
+                    origin,
+                    [x, rows as u32, slices as u32],
                 );
                 device.queue.submit([]);
                 device.wait()?;
@@ -148,8 +146,150 @@ impl VolumeTexture {
         Ok(VolumeTexture {
             view: texture.create_view(&wgpu::TextureViewDescriptor::default()),
             storage,
+            pages: None,
         })
     }
+
+    /// A volume beyond the largest texture: an atlas of the pages whose voxels differ, and a table that
+    /// says where each page is.
+    fn in_pages(device: &Device, volume: &Volume, most: u32) -> Result<VolumeTexture, Error> {
+        let dims = volume.grid().dims();
+        let storage = Storage::of(volume.samples().sample_type(), device).paged();
+        let samples = volume.samples();
+        let page = PAGE_VOXELS as usize;
+        let table_dims = dims.map(|n| n.div_ceil(page));
+        // Ten bits say the place in the atlas along each axis.
+        let edge = ((most / PAGE_VOXELS) as usize).clamp(1, 1023);
+        let too_large = || Error::TooLarge {
+            dims,
+            most,
+            most_bytes: ((edge * page) as u64).pow(3) * storage.texel_bytes() as u64,
+        };
+        if table_dims.iter().any(|n| *n > most as usize) {
+            return Err(too_large());
+        }
+        let mut entries = Vec::with_capacity(2 * table_dims.iter().product::<usize>());
+        let mut stored = Vec::new();
+        for z in 0..table_dims[2] {
+            for y in 0..table_dims[1] {
+                for x in 0..table_dims[0] {
+                    let corner = [x * page, y * page, z * page];
+                    if let Some(number) = same_number(samples, dims, corner) {
+                        let texel = (number as f32 - storage.shift) / storage.scale;
+                        entries.extend([1u32 << 31, texel.to_bits()]);
+                        continue;
+                    }
+                    let n = stored.len();
+                    let place = [n % edge, n / edge % edge, n / (edge * edge)];
+                    if place[2] >= edge {
+                        return Err(too_large());
+                    }
+                    let [u, v, w] = place.map(|n| n as u32);
+                    entries.extend([u | v << 10 | w << 20, 0]);
+                    stored.push((corner, [u, v, w]));
+                }
+            }
+        }
+        let pages = stored.len().max(1);
+        let atlas_dims = [
+            pages.min(edge),
+            pages.div_ceil(edge).min(edge),
+            pages.div_ceil(edge * edge),
+        ];
+        let atlas = texture(
+            device,
+            storage.format,
+            atlas_dims.map(|n| n as u32 * PAGE_VOXELS),
+        );
+        device.check()?;
+        let at_once = (SLAB_BYTES / (page.pow(3) * storage.texel_bytes())).max(1);
+        let mut bytes = Vec::new();
+        for (i, (corner, place)) in stored.iter().enumerate() {
+            bytes.clear();
+            let size = [0, 1, 2].map(|a| page.min(dims[a] - corner[a]));
+            for z in 0..size[2] {
+                for y in 0..size[1] {
+                    let [cx, cy, cz] = *corner;
+                    let start = cx + dims[0] * (cy + y + dims[1] * (cz + z));
+                    encode(samples, start, size[0], storage.format, &mut bytes);
+                }
+            }
+            let origin = place.map(|n| n * PAGE_VOXELS);
+            write(device, &atlas, &bytes, origin, size.map(|n| n as u32));
+            if i % at_once == at_once - 1 {
+                device.queue.submit([]);
+                device.wait()?;
+            }
+        }
+        device.queue.submit([]);
+        device.wait()?;
+        Ok(VolumeTexture {
+            view: atlas.create_view(&wgpu::TextureViewDescriptor::default()),
+            storage,
+            pages: Some(Pages {
+                dims: table_dims.map(|n| n as u32),
+                entries,
+            }),
+        })
+    }
+}
+
+/// The number that all voxels of the page at `corner` store, if it is one and finite.
+fn same_number(samples: &Samples, dims: [usize; 3], corner: [usize; 3]) -> Option<f64> {
+    let end = [0, 1, 2].map(|a| dims[a].min(corner[a] + PAGE_VOXELS as usize));
+    let index = |x: usize, y: usize, z: usize| x + dims[0] * (y + dims[1] * z);
+    let [x, y, z] = corner;
+    let first = samples.get(index(x, y, z));
+    let is_same = (z..end[2])
+        .all(|z| (y..end[1]).all(|y| (x..end[0]).all(|x| samples.get(index(x, y, z)) == first)));
+    (is_same && first.is_finite()).then_some(first)
+}
+
+fn texture(device: &Device, format: TextureFormat, [x, y, z]: [u32; 3]) -> wgpu::Texture {
+    device.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("volume"),
+        size: wgpu::Extent3d {
+            width: x,
+            height: y,
+            depth_or_array_layers: z,
+        },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D3,
+        format,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    })
+}
+
+/// Writes a block of texels.
+fn write(
+    device: &Device,
+    texture: &wgpu::Texture,
+    bytes: &[u8],
+    [x, y, z]: [u32; 3],
+    [width, height, depth]: [u32; 3],
+) {
+    let texel_bytes = texture.format().block_copy_size(None).unwrap_or(4);
+    device.queue.write_texture(
+        wgpu::TexelCopyTextureInfo {
+            texture,
+            mip_level: 0,
+            origin: wgpu::Origin3d { x, y, z },
+            aspect: wgpu::TextureAspect::All,
+        },
+        bytes,
+        wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some(width * texel_bytes),
+            rows_per_image: Some(height),
+        },
+        wgpu::Extent3d {
+            width,
+            height,
+            depth_or_array_layers: depth,
+        },
+    );
 }
 
 /// The bytes of texels `start..start + len`, little-endian.

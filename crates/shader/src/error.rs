@@ -43,6 +43,26 @@ pub enum Error {
         /// What naga says.
         message: String,
     },
+    /// A composite that works on the values of one volume, and several objects.
+    #[error(
+        "the composite {composite} works on the values of one volume, and {objects} objects are drawn; for several it has to add up what `look` says of them, as front_to_back and back_to_front do"
+    )]
+    OneObject {
+        /// The composite.
+        composite: String,
+        /// Objects of the ray loop.
+        objects: usize,
+    },
+    /// No ray loop has such a number of objects or volumes.
+    #[error("a ray loop over {number} {what} cannot be made; it has 1 to {most}")]
+    Objects {
+        /// Objects or volumes.
+        what: &'static str,
+        /// How many were asked for.
+        number: usize,
+        /// How many there may be.
+        most: usize,
+    },
     /// More functions than a slot can hold.
     #[error("the slot {slot} holds one function, not {}: {}", .modules.len(), .modules.join(", "))]
     Crowded {

@@ -8,7 +8,7 @@
 //!
 //! ```
 //! use std::sync::Arc;
-//! use strahl_shader::{Linker, Module, Selection, Texels, built_in, ray_loop};
+//! use strahl_shader::{Linker, Module, RayLoop, Selection, Texels, built_in, ray_loop};
 //!
 //! let halved = Module::parse("halved", "halved.wgsl", "
 //!     struct Params {
@@ -26,7 +26,8 @@
 //!     .with(built_in("reconstruct", "trilinear")?)
 //!     .with(Arc::new(halved))
 //!     .with(built_in("composite", "front_to_back")?);
-//! let program = Linker::new().link(&ray_loop(Texels::Float), &selection)?;
+//! let one = RayLoop { volumes: vec![Texels::Float], objects: 1, is_before_geometry: false };
+//! let program = Linker::new().link(&ray_loop(&one)?, &selection)?;
 //! let mut parameters = program.default_parameters();
 //! program.set(&mut parameters, "classify", "share", &[0.25])?;
 //! assert!(program.wgsl().contains("parameters.classify.share"));
@@ -47,9 +48,12 @@ mod token;
 
 pub use error::{Error, Report};
 pub use library::{built_in, library};
-pub use link::{Linker, MOST_TURNS, PARAMETERS_BINDING, Selection, Skeleton};
+pub use link::{Linker, MOST_TURNS, Selection, Skeleton};
 pub use module::{Module, PRELUDE};
 pub use parameter::{Parameter, Scalar};
 pub use program::{Block, Origin, Program};
-pub use skeleton::{BRICK_VOXELS, TABLE_ROW, Texels, ray_loop};
+pub use skeleton::{
+    BRICK_VOXELS, MOST_OBJECTS, NOWHERE_MM, PAGE_VOXELS, RayLoop, TABLE_ROW, Texels, bindings,
+    ray_loop,
+};
 pub use slot::{Fold, SLOTS, SUPPLIED, Signature, Slot, slot};

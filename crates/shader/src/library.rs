@@ -13,18 +13,19 @@ macro_rules! texts {
 
 /// Slot, name, text.
 static TEXTS: &[(&str, &str, &str)] = texts! {
-    "clip_ray": "plane";
-    "jitter": "hash";
-    "clip_sample": "box", "ellipsoid", "cylinder";
-    "fetch": "texture";
+    "clip_ray": "plane", "depth";
+    "jitter": "hash", "sine_hash", "tile";
+    "clip_sample": "box", "ellipsoid", "cylinder", "mask";
+    "fetch": "texture", "marschner_lobb", "noise";
     "reconstruct": "nearest", "trilinear", "trilinear_sampler", "catmull_rom", "b_spline", "b_spline_sampler";
-    "classify": "identity", "threshold", "table", "gradient_table";
+    "classify": "identity", "threshold", "table", "gradient_table", "pre_classified";
     "gradient_input": "value", "opacity";
-    "gradient": "forward", "backward", "central", "central_9", "sobel";
+    "gradient": "forward", "backward", "central", "central_9", "sobel", "b_spline";
     "light": "directional", "head", "point";
     "illuminate": "lambert", "phong", "blinn_phong", "cook_torrance";
     "shade": "lit", "lit_last_normal", "gradient_opacity";
-    "composite": "front_to_back", "maximum", "minimum", "average", "first_hit", "mida", "gradient_maximum";
+    "composite": "front_to_back", "maximum", "minimum", "average", "first_hit", "mida", "gradient_maximum",
+        "back_to_front", "entry", "exit", "normal", "normal_raw", "gradient_magnitude", "sample_count", "hit_depth";
 };
 
 static LIBRARY: LazyLock<Vec<Arc<Module>>> = LazyLock::new(|| {

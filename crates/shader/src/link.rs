@@ -7,8 +7,9 @@
 use crate::error::Error;
 use crate::module::{Module, PRELUDE, validate_program};
 use crate::program::{Block, Passage, Program};
+use crate::skeleton::bindings;
 use crate::slot::{Fold, SLOTS, SUPPLIED, Signature, Slot};
-use crate::token::{Declared, Token, closing, tokens};
+use crate::token::{Declared, Token, closing, declarations, tokens};
 use naga::TypeInner;
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::fmt::Write;
@@ -51,17 +52,23 @@ fn index(slot: &Slot) -> usize {
 
 /// The part of a program that is not exchanged: the ray loop, its resources and entry points. It
 /// defines the functions of [`SUPPLIED`] but `lighting`, and calls those of slots.
+/// [`ray_loop`](crate::ray_loop) makes it.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Skeleton {
     /// What it is called, in comments.
     pub name: String,
-    /// Its text. The uniform block of the parameters is bound by the linker at group 0, binding
-    /// [`PARAMETERS_BINDING`].
+    /// What is in every program. The uniform block of the parameters is bound by the linker at group 0,
+    /// binding [`PARAMETERS`](crate::bindings::PARAMETERS).
     pub wgsl: Arc<str>,
+    /// Texts that are put in if one of the functions that they define is called.
+    pub parts: Vec<Arc<str>>,
+    /// The order of the samples, from the eye and towards it: the second is put in if the composite
+    /// is [back to front](Module::is_back_to_front), the first else.
+    pub orders: [Arc<str>; 2],
+    /// How many objects it draws. Several are drawn only by a composite that calls `look`, which
+    /// mixes them.
+    pub objects: usize,
 }
-
-/// Where the parameters of all modules are bound, in group 0.
-pub const PARAMETERS_BINDING: u32 = 1;
 
 /// Links, and remembers what it has linked.
 #[derive(Debug, Default)]
@@ -100,21 +107,25 @@ enum Needed {
     Slot(&'static Slot),
     /// The folded call of all lights.
     Lighting,
-}
-
-/// Who may be asked for by name.
-fn needed(name: &str) -> Option<Needed> {
-    if name == "lighting" {
-        return Some(Needed::Lighting);
-    }
-    let slot = SLOTS
-        .iter()
-        .find(|slot| slot.functions.iter().any(|f| f.name == name))?;
-    Some(Needed::Slot(slot))
+    /// Of a part of the skeleton, by its number.
+    Part(usize),
 }
 
 fn link(skeleton: &Skeleton, selection: &Selection) -> Result<Program, Error> {
-    let reach = Reach::of(skeleton, selection)?;
+    let composite = SLOTS.iter().find(|slot| slot.name == "composite");
+    let composite = composite.and_then(|slot| selection.of(slot).first());
+    if let Some(composite) = composite
+        && skeleton.objects > 1
+        && !composite.needs().contains(&"look")
+    {
+        return Err(Error::OneObject {
+            composite: composite.name().to_owned(),
+            objects: skeleton.objects,
+        });
+    }
+    let is_back_to_front = composite.is_some_and(|module| module.is_back_to_front());
+    let order = &skeleton.orders[usize::from(is_back_to_front)];
+    let reach = Reach::of(skeleton, order, selection)?;
     let mut writer = Writer::new(skeleton, selection);
     writer.line(&format!("// {}, linked from:", skeleton.name));
     for slot in reach.slots() {
@@ -132,40 +143,95 @@ fn link(skeleton: &Skeleton, selection: &Selection) -> Result<Program, Error> {
         writer.slot(slot, selection.of(slot));
     }
     if reach.lighting {
-        writer.lighting(selection);
+        writer.lighting();
     }
     writer.parameters();
     writer.line(&format!("// ---- {} ----", skeleton.name));
     writer.line(&skeleton.wgsl);
+    writer.line(order);
+    for (part, is_needed) in skeleton.parts.iter().zip(&reach.parts) {
+        if *is_needed {
+            writer.line(part);
+        }
+    }
     writer.finish()
+}
+
+/// The functions that `text` calls (and the types that it makes).
+fn calls<'t>(text: &'t str, tokens: &[Token]) -> Vec<&'t str> {
+    let is_call = |i: usize| {
+        tokens.get(i + 1).is_some_and(|next| next.is(b'('))
+            && !(i > 0 && tokens[i - 1].text(text) == "fn")
+    };
+    let called = (0..tokens.len()).filter(|i| is_call(*i));
+    called.map(|i| tokens[i].text(text)).collect()
+}
+
+/// What a part of the skeleton defines and calls.
+struct Part<'s> {
+    functions: Vec<String>,
+    calls: Vec<&'s str>,
 }
 
 /// Which functions the skeleton reaches.
 struct Reach<'s> {
     selection: &'s Selection,
+    of_parts: Vec<Part<'s>>,
     slots: Vec<&'static Slot>,
+    parts: Vec<bool>,
     lighting: bool,
     /// The functions being followed, for circles.
     path: Vec<(Needed, String)>,
 }
 
 impl<'s> Reach<'s> {
-    fn of(skeleton: &Skeleton, selection: &'s Selection) -> Result<Reach<'s>, Error> {
+    fn of(
+        skeleton: &'s Skeleton,
+        order: &'s str,
+        selection: &'s Selection,
+    ) -> Result<Reach<'s>, Error> {
+        let part = |text: &'s Arc<str>| {
+            let tokens = tokens(text);
+            let declared = declarations(text, &tokens).into_iter();
+            Part {
+                functions: declared
+                    .filter(|d| d.kind == Declared::Function)
+                    .map(|d| d.name)
+                    .collect(),
+                calls: calls(text, &tokens),
+            }
+        };
         let mut reach = Reach {
             selection,
+            of_parts: skeleton.parts.iter().map(part).collect(),
             slots: Vec::new(),
+            parts: vec![false; skeleton.parts.len()],
             lighting: false,
             path: Vec::new(),
         };
-        let words = tokens(&skeleton.wgsl);
-        for pair in words.windows(2) {
-            if pair[1].is(b'(')
-                && let Some(needed) = needed(pair[0].text(&skeleton.wgsl))
-            {
-                reach.follow(needed, &skeleton.name)?;
+        for text in [&*skeleton.wgsl, order] {
+            for name in calls(text, &tokens(text)) {
+                if let Some(needed) = reach.needed(name) {
+                    reach.follow(needed, &skeleton.name)?;
+                }
             }
         }
         Ok(reach)
+    }
+
+    /// Who may be asked for by name.
+    fn needed(&self, name: &str) -> Option<Needed> {
+        if name == "lighting" {
+            return Some(Needed::Lighting);
+        }
+        let defines = |part: &Part| part.functions.iter().any(|function| function == name);
+        if let Some(part) = self.of_parts.iter().position(defines) {
+            return Some(Needed::Part(part));
+        }
+        let slot = SLOTS
+            .iter()
+            .find(|slot| slot.functions.iter().any(|f| f.name == name))?;
+        Some(Needed::Slot(slot))
     }
 
     /// In the order of the ray.
@@ -189,7 +255,7 @@ impl<'s> Reach<'s> {
                         if is_light.is_some_and(|slot| self.selection.of(slot).is_empty()) {
                             continue;
                         }
-                        if let Some(next) = self::needed(name) {
+                        if let Some(next) = self.needed(name) {
                             self.follow(next, "lighting")?;
                         }
                     }
@@ -198,7 +264,26 @@ impl<'s> Reach<'s> {
                 Ok(())
             }
             Needed::Slot(slot) => self.follow_slot(slot, needed_by),
+            Needed::Part(part) => self.follow_part(part),
         }
+    }
+
+    fn follow_part(&mut self, part: usize) -> Result<(), Error> {
+        if std::mem::replace(&mut self.parts[part], true) {
+            return Ok(());
+        }
+        let name = self.of_parts[part].functions[0].clone();
+        self.path.push((Needed::Part(part), name.clone()));
+        for call in self.of_parts[part].calls.clone() {
+            match self.needed(call) {
+                // Its own functions.
+                Some(Needed::Part(own)) if own == part => {}
+                Some(next) => self.follow(next, &name)?,
+                None => {}
+            }
+        }
+        self.path.pop();
+        Ok(())
     }
 
     fn follow_slot(&mut self, slot: &'static Slot, needed_by: &str) -> Result<(), Error> {
@@ -223,7 +308,7 @@ impl<'s> Reach<'s> {
             let who = format!("{} ({})", slot.name, module.name());
             self.path.push((Needed::Slot(slot), who.clone()));
             for need in module.needs() {
-                if let Some(next) = needed(need) {
+                if let Some(next) = self.needed(need) {
                     self.follow(next, &who)?;
                 }
             }
@@ -241,6 +326,11 @@ struct Writer<'s> {
     blocks: Vec<Block>,
     /// Every name of the modules, the skeleton and the linker.
     names: HashSet<String>,
+    /// What the linker's own things are called; no module has such a word.
+    parameters: String,
+    parameters_type: String,
+    loop_turns: String,
+    lights: Vec<String>,
     bounded: bool,
     skeleton: &'s Skeleton,
 }
@@ -251,19 +341,29 @@ impl<'s> Writer<'s> {
         let mut take = |source: &str, tokens: &[Token]| {
             names.extend(tokens.iter().map(|t| t.text(source).to_owned()));
         };
-        take(&skeleton.wgsl, &tokens(&skeleton.wgsl));
+        let texts = std::iter::once(&skeleton.wgsl).chain(&skeleton.parts);
+        for text in texts.chain(&skeleton.orders) {
+            take(text, &tokens(text));
+        }
         take(PRELUDE, &tokens(PRELUDE));
         for module in selection.modules.values().flatten() {
             take(module.source(), &module.tokens);
         }
-        Writer {
+        let mut writer = Writer {
             wgsl: String::new(),
             passages: Vec::new(),
             blocks: Vec::new(),
             names,
+            parameters: String::new(),
+            parameters_type: String::new(),
+            loop_turns: String::new(),
+            lights: Vec::new(),
             bounded: false,
             skeleton,
-        }
+        };
+        writer.parameters = writer.unique("parameters".into());
+        writer.loop_turns = writer.unique("loop_turns_of_ray".into());
+        writer
     }
 
     fn line(&mut self, text: &str) {
@@ -298,7 +398,9 @@ impl<'s> Writer<'s> {
                     self.module(module, label.clone());
                     calls.push(label);
                 }
-                if let Some(body) = folded(slot, &calls) {
+                if slot.fold == Fold::Lights {
+                    self.lights = calls;
+                } else if let Some(body) = folded(slot, &calls) {
                     let function = &slot.functions[0];
                     self.line(&format!(
                         "// ---- {}: {} functions in one call ----",
@@ -329,7 +431,7 @@ impl<'s> Writer<'s> {
             names.insert(own.as_str(), name);
         }
         if module.parameter_bytes() > 0 {
-            names.insert("params", format!("parameters.{label}"));
+            names.insert("params", format!("{}.{label}", self.parameters));
             self.blocks.push(Block {
                 label: label.clone(),
                 type_name: names["Params"].clone(),
@@ -368,7 +470,7 @@ impl<'s> Writer<'s> {
             }
             if bounds.contains(&i) {
                 self.bounded = true;
-                self.wgsl.push_str(" if loop_turns_of_ray() { break; }");
+                let _ = write!(self.wgsl, " if {}() {{ break; }}", self.loop_turns);
             }
         }
         self.passages.push(Passage {
@@ -380,22 +482,21 @@ impl<'s> Writer<'s> {
         self.line("\n");
     }
 
-    fn lighting(&mut self, selection: &Selection) {
-        let light = SLOTS.iter().find(|slot| slot.fold == Fold::Lights);
-        let count = light.map_or(0, |slot| selection.of(slot).len());
+    fn lighting(&mut self) {
         self.line(&format!(
-            "// ---- lighting: the light of {count} lights adds up ----"
+            "// ---- lighting: the light of {} lights adds up ----",
+            self.lights.len()
         ));
         if let Some(signature) = SUPPLIED.iter().find(|s| s.name == "lighting") {
             self.line(&format!("{signature} {{"));
         }
         self.line("    var sum = vec3f(0.0);");
-        if count > 0 {
+        if !self.lights.is_empty() {
             self.line("    let place = place_mm(position);");
         }
-        for i in 0..count {
+        for light in std::mem::take(&mut self.lights) {
             self.line(&format!(
-                "    sum += illuminate(color, normal, to_eye, light_{i}(place, to_eye));"
+                "    sum += illuminate(color, normal, to_eye, {light}(place, to_eye));"
             ));
         }
         self.line("    return sum;\n}\n");
@@ -404,17 +505,20 @@ impl<'s> Writer<'s> {
     /// The uniform block of all parameters, and the counter of bounded loops.
     fn parameters(&mut self) {
         if self.bounded {
+            let turns = self.unique("loop_turns".into());
             self.line(&format!(
                 "// Loops of modules that are not built in end together after {MOST_TURNS} turns per ray.\n\
-                 var<private> loop_turns: u32 = 0u;\n\
-                 fn loop_turns_of_ray() -> bool {{\n    loop_turns += 1u;\n    return loop_turns > {MOST_TURNS}u;\n}}\n"
+                 var<private> {turns}: u32 = 0u;\n\
+                 fn {}() -> bool {{\n    {turns} += 1u;\n    return {turns} > {MOST_TURNS}u;\n}}\n",
+                self.loop_turns
             ));
         }
         if self.blocks.is_empty() {
             return;
         }
         self.line("// ---- the parameters of all functions ----");
-        self.line("struct Parameters {");
+        let type_name = self.unique("Parameters".into());
+        self.line(&format!("struct {type_name} {{"));
         let mut text = String::new();
         for block in &self.blocks {
             // Uniform memory wants structs at multiples of 16 bytes.
@@ -422,8 +526,11 @@ impl<'s> Writer<'s> {
         }
         self.line(&text);
         self.line(&format!(
-            "}}\n@group(0) @binding({PARAMETERS_BINDING}) var<uniform> parameters: Parameters;\n"
+            "}}\n@group(0) @binding({}) var<uniform> {}: {type_name};\n",
+            bindings::PARAMETERS,
+            self.parameters
         ));
+        self.parameters_type = type_name;
     }
 
     fn finish(mut self) -> Result<Program, Error> {
@@ -433,7 +540,7 @@ impl<'s> Writer<'s> {
         })?;
         let mut parameter_bytes = 0;
         for (_, ty) in naga.types.iter() {
-            if ty.name.as_deref() != Some("Parameters") {
+            if ty.name.as_deref() != Some(self.parameters_type.as_str()) {
                 continue;
             }
             if let TypeInner::Struct { members, span } = &ty.inner {
@@ -448,6 +555,7 @@ impl<'s> Writer<'s> {
             self.blocks,
             parameter_bytes,
             self.passages,
+            naga,
         ))
     }
 }

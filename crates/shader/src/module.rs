@@ -9,7 +9,9 @@ use naga::proc::GlobalCtx;
 use naga::valid::{
     CallError, Capabilities, FunctionError, ValidationError, ValidationFlags, Validator,
 };
-use naga::{Expression, Function, Handle, ScalarKind, ShaderStage, TypeInner, VectorSize};
+use naga::{
+    Expression, Function, Handle, ScalarKind, ShaderStage, Statement, TypeInner, VectorSize,
+};
 use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -37,6 +39,7 @@ pub struct Module {
     parameter_bytes: u32,
     needs: Vec<&'static str>,
     remembers: bool,
+    is_back_to_front: bool,
     is_built_in: bool,
     hash: u64,
     pub(crate) tokens: Vec<Token>,
@@ -104,6 +107,12 @@ impl Module {
         self.remembers
     }
 
+    /// Whether it is a composite that gets the samples of a ray from the last to the first. It says so
+    /// by `const BACK_TO_FRONT: bool = true;`.
+    pub fn is_back_to_front(&self) -> bool {
+        self.is_back_to_front
+    }
+
     /// Whether it belongs to the library.
     pub fn is_built_in(&self) -> bool {
         self.is_built_in
@@ -148,6 +157,7 @@ impl Module {
             parameter_bytes,
             needs: needs(slot, &naga, &functions),
             remembers: declarations.iter().any(|d| d.kind == Declared::Private),
+            is_back_to_front: slot.name == "composite" && is_true(&naga, "BACK_TO_FRONT"),
             is_built_in,
             hash: hasher.finish(),
             tokens,
@@ -171,6 +181,16 @@ impl Hash for Module {
     }
 }
 
+/// Whether there is a constant of this name, and it is true.
+fn is_true(naga: &naga::Module, name: &str) -> bool {
+    let mut constants = naga.constants.iter();
+    let found = constants.find(|(_, constant)| constant.name.as_deref() == Some(name));
+    found.is_some_and(|(_, constant)| {
+        let value = &naga.global_expressions[constant.init];
+        matches!(value, Expression::Literal(naga::Literal::Bool(true)))
+    })
+}
+
 /// The comments of the form `//!`.
 fn meaning(source: &str) -> String {
     let lines = source.lines().map_while(|line| line.strip_prefix("//!"));
@@ -184,9 +204,13 @@ fn surroundings(own: &Slot, has_parameters: bool) -> String {
     let mut text = PRELUDE.to_owned();
     for function in others.flat_map(|slot| slot.functions).chain(&SUPPLIED) {
         // The state of a composite is known only to itself, and nobody calls its functions.
-        if !function.name.starts_with("composite_") {
-            let _ = writeln!(text, "{function} {{ return {}(); }}", function.result);
+        if function.name.starts_with("composite_") {
+            continue;
         }
+        let _ = match function.result {
+            "" => writeln!(text, "{function} {{}}"),
+            result => writeln!(text, "{function} {{ return {result}(); }}"),
+        };
     }
     if has_parameters {
         text.push_str("@group(0) @binding(0) var<uniform> params: Params;\n");
@@ -629,14 +653,34 @@ fn needs(own: &Slot, naga: &naga::Module, from: &[Handle<Function>]) -> Vec<&'st
         if let Some(signature) = outside {
             found.insert(signature.name);
         } else if seen.insert(handle) {
-            let calls = function.expressions.iter().filter_map(|(_, e)| match e {
-                Expression::CallResult(called) => Some(*called),
-                _ => None,
-            });
-            open.extend(calls);
+            called(&function.body, &mut open);
         }
     }
     found.into_iter().collect()
+}
+
+/// The functions that `block` calls.
+fn called(block: &naga::Block, into: &mut Vec<Handle<Function>>) {
+    for statement in block {
+        match statement {
+            Statement::Call { function, .. } => into.push(*function),
+            Statement::Block(block) => called(block, into),
+            Statement::If { accept, reject, .. } => {
+                called(accept, into);
+                called(reject, into);
+            }
+            Statement::Switch { cases, .. } => {
+                cases.iter().for_each(|case| called(&case.body, into));
+            }
+            Statement::Loop {
+                body, continuing, ..
+            } => {
+                called(body, into);
+                called(continuing, into);
+            }
+            _ => {}
+        }
+    }
 }
 
 /// Checks a whole program, which is not a module: all of its text is generated from checked parts.

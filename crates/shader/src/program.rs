@@ -12,6 +12,7 @@ pub struct Program {
     parameter_bytes: u32,
     /// Sorted by where they start.
     passages: Vec<Passage>,
+    naga: naga::Module,
 }
 
 /// The parameters of one function in the uniform block of all.
@@ -53,13 +54,24 @@ impl Program {
         blocks: Vec<Block>,
         parameter_bytes: u32,
         passages: Vec<Passage>,
+        naga: naga::Module,
     ) -> Program {
         Program {
             wgsl,
             blocks,
             parameter_bytes,
             passages,
+            naga,
         }
+    }
+
+    /// The bindings of group 0 that it declares, ascending: see [`bindings`](crate::bindings).
+    pub fn bindings(&self) -> Vec<u32> {
+        let variables = self.naga.global_variables.iter();
+        let bound = variables.filter_map(|(_, variable)| variable.binding.as_ref());
+        let mut found: Vec<_> = bound.map(|b| b.binding).collect();
+        found.sort_unstable();
+        found
     }
 
     /// The text, made to be read, with a comment at each function.

@@ -1,34 +1,274 @@
 //! The ray loop that functions are linked into.
+//!
+//! Its text does not change with the functions but with what is drawn: how many objects there are, how
+//! many volumes they show, and how the textures of those are read. One object has a loop of its own,
+//! which knows nothing of others.
 
+use crate::error::Error;
 use crate::link::Skeleton;
+use std::fmt::Write;
 
 /// How the texture of a volume is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Texels {
-    /// `texture_3d<f32>`: 32- and 16-bit float, 8- and 16-bit unorm; the texture unit interpolates.
+    /// `texture_3d<f32>` that the texture unit interpolates: 16-bit float, 8- and 16-bit unorm, and
+    /// 32-bit float where the adapter can.
     Float,
+    /// `texture_3d<f32>` that it does not: 32-bit float on many adapters.
+    UnfilterableFloat,
     /// `texture_3d<u32>`.
     Unsigned,
     /// `texture_3d<i32>`.
     Signed,
+    /// An atlas of pages in a `texture_3d<f32>`: a volume beyond the largest texture. [`PAGE_VOXELS`].
+    FloatPages,
+    /// An atlas in a `texture_3d<u32>`.
+    UnsignedPages,
+    /// An atlas in a `texture_3d<i32>`.
+    SignedPages,
 }
+
+impl Texels {
+    /// Whether the texture is an atlas of pages.
+    pub fn is_paged(self) -> bool {
+        matches!(
+            self,
+            Texels::FloatPages | Texels::UnsignedPages | Texels::SignedPages
+        )
+    }
+
+    /// The type of the texture's components.
+    fn component(self) -> &'static str {
+        match self {
+            Texels::Float | Texels::UnfilterableFloat | Texels::FloatPages => "f32",
+            Texels::Unsigned | Texels::UnsignedPages => "u32",
+            Texels::Signed | Texels::SignedPages => "i32",
+        }
+    }
+}
+
+/// What is drawn, as far as the text of the ray loop depends on it.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct RayLoop {
+    /// The textures, 1 to [`MOST_OBJECTS`].
+    pub volumes: Vec<Texels>,
+    /// Objects, 1 to [`MOST_OBJECTS`]; each shows one of the volumes, and several may show the same.
+    pub objects: usize,
+    /// Whether opaque geometry is behind the volumes, and not only the background.
+    pub is_before_geometry: bool,
+}
+
+/// Objects, and volumes, in one ray loop.
+pub const MOST_OBJECTS: usize = 8;
 
 /// Edge of a brick of the occupancy texture, in voxels.
 pub const BRICK_VOXELS: u32 = 8;
 
-/// Entries in a row of the transfer table's texture.
+/// Edge of a page of a paged volume, in voxels. Pages lie side by side without overlap.
+pub const PAGE_VOXELS: u32 = 32;
+
+/// Entries in a row of the transfer tables' texture.
 pub const TABLE_ROW: u32 = 4096;
 
-/// The ray loop over one volume with these texels. Its uniform block `Frame` is bound at group 0,
-/// binding 0; 2 the volume, 3 its sampler, 4 the transfer table, 5 the bricks.
-pub fn ray_loop(texels: Texels) -> Skeleton {
-    let (name, volume) = match texels {
-        Texels::Float => ("float", include_str!("../skeleton/volume_float.wgsl")),
-        Texels::Unsigned => ("unsigned", include_str!("../skeleton/volume_unsigned.wgsl")),
-        Texels::Signed => ("signed", include_str!("../skeleton/volume_signed.wgsl")),
+/// What the ray loop reports in the second target where nothing was hit, in mm.
+pub const NOWHERE_MM: f32 = 3.0e38;
+
+/// Where the resources of every program are bound, all in group 0 and for the fragment stage. A
+/// program declares only those that it reads: [`Program::bindings`](crate::Program::bindings).
+pub mod bindings {
+    /// Uniform block `Frame`: camera, lattice and objects.
+    pub const FRAME: u32 = 0;
+    /// Uniform block `Parameters`: the parameters of all functions.
+    pub const PARAMETERS: u32 = 1;
+    /// Sampler of the volumes that the texture unit interpolates: linear, clamped to the edge.
+    pub const VOLUME_SAMPLER: u32 = 3;
+    /// `texture_2d<f32>`, rgba: the transfer tables of all objects, in rows of
+    /// [`TABLE_ROW`](crate::TABLE_ROW) entries. Each table begins at the start of a row.
+    pub const TABLES: u32 = 4;
+    /// `texture_3d<u32>`: per brick of [`BRICK_VOXELS`](crate::BRICK_VOXELS) an edge, 0 where nothing
+    /// can be seen. The bricks of all objects, each from its `bricks_first` on.
+    pub const BRICKS: u32 = 5;
+    /// `texture_2d<f32>`: numbers from 0 to 1 for jitter, repeated over the picture.
+    pub const NOISE_TILE: u32 = 6;
+    /// `texture_2d<f32>`: how far along each pixel's ray opaque geometry lies, in mm from the ray's
+    /// start; [`NOWHERE_MM`](crate::NOWHERE_MM) without. It covers the part that is drawn.
+    pub const OPAQUE_MM: u32 = 7;
+    /// `texture_3d<f32>`, [`MASKS`] of them from here on.
+    pub const FIRST_MASK: u32 = 8;
+    /// Masks.
+    pub const MASKS: u32 = 4;
+    /// `texture_3d<u32>`, rg: the page tables of all paged volumes, each from the `pages_first` of the
+    /// objects that show it on. x: column, row and slice of the page in the atlas, 10 bits each from
+    /// the lowest; with bit 31 set the page is in no atlas, as all its texels are one number, whose
+    /// float bits are y.
+    pub const PAGES: u32 = 12;
+    /// `texture_2d<f32>`, rgba: what is behind the volumes, opaque geometry before the background. It
+    /// covers the part that is drawn.
+    pub const OPAQUE_COLOR: u32 = 13;
+    /// `texture_3d`, one for each volume from here on.
+    pub const FIRST_VOLUME: u32 = 16;
+}
+
+/// The ray loop over these objects. Entry points: `vertex` (three vertices, no buffers), `fragment`
+/// (location 0: linear, premultiplied, with the background) and `fragment_with_depth` (also location
+/// 1: how far away in mm what the composite reported with `report_hit` lies, [`NOWHERE_MM`] without).
+///
+/// # Errors
+/// [`Error::Objects`]: none, or too many.
+pub fn ray_loop(what: &RayLoop) -> Result<Skeleton, Error> {
+    let RayLoop {
+        volumes,
+        objects,
+        is_before_geometry,
+    } = what;
+    for (what, number) in [("volumes", volumes.len()), ("objects", *objects)] {
+        if !(1..=MOST_OBJECTS).contains(&number) {
+            return Err(Error::Objects {
+                what,
+                number,
+                most: MOST_OBJECTS,
+            });
+        }
+    }
+    let (number, one) = (objects, *objects == 1);
+    let name = match (objects, volumes.len()) {
+        (1, _) => "ray loop over one object".to_owned(),
+        (_, 1) => format!("ray loop over {number} objects of one volume"),
+        (_, n) => format!("ray loop over {number} objects of {n} volumes"),
     };
-    Skeleton {
-        name: format!("ray loop over a {name} texture"),
-        wgsl: format!("{}{volume}", include_str!("../skeleton/march.wgsl")).into(),
+    let mut wgsl = format!("const OBJECTS: u32 = {number}u;\n\n");
+    wgsl.push_str(&textures(volumes));
+    wgsl.push_str(include_str!("../skeleton/ray.wgsl"));
+    wgsl.push('\n');
+    wgsl.push_str(if one {
+        include_str!("../skeleton/one.wgsl")
+    } else {
+        include_str!("../skeleton/several.wgsl")
+    });
+    let look = if one {
+        include_str!("../skeleton/look_of_one.wgsl")
+    } else {
+        include_str!("../skeleton/look_of_several.wgsl")
+    };
+    let behind = if *is_before_geometry {
+        include_str!("../skeleton/behind_geometry.wgsl")
+    } else {
+        include_str!("../skeleton/behind_nothing.wgsl")
+    };
+    let parts = [
+        look,
+        behind,
+        include_str!("../skeleton/tile.wgsl"),
+        include_str!("../skeleton/opaque_mm.wgsl"),
+        include_str!("../skeleton/mask.wgsl"),
+        include_str!("../skeleton/texel.wgsl"),
+        include_str!("../skeleton/linear_by_texels.wgsl"),
+        include_str!("../skeleton/pages.wgsl"),
+    ];
+    let mut parts: Vec<_> = parts.map(|part| part.into()).into();
+    parts.push(stored(volumes).into());
+    parts.push(texel_linear(volumes).into());
+    Ok(Skeleton {
+        name,
+        wgsl: wgsl.into(),
+        parts,
+        orders: [
+            include_str!("../skeleton/forwards.wgsl").into(),
+            include_str!("../skeleton/backwards.wgsl").into(),
+        ],
+        objects: *objects,
+    })
+}
+
+/// The textures of the volumes.
+fn textures(volumes: &[Texels]) -> String {
+    let mut text = String::new();
+    for (i, texels) in volumes.iter().enumerate() {
+        let binding = bindings::FIRST_VOLUME + i as u32;
+        let (name, component) = (texture(volumes, i), texels.component());
+        let _ = writeln!(
+            text,
+            "@group(0) @binding({binding}) var {name}: texture_3d<{component}>;"
+        );
+    }
+    text.push('\n');
+    text
+}
+
+/// The function that reads a texel of the volume that the object shows.
+fn stored(volumes: &[Texels]) -> String {
+    let mut text = "// The texel of a voxel inside the grid.\n".to_owned();
+    text.push_str("fn stored(voxel: vec3i) -> f32 {\n");
+    let read = |i: usize, indent: &str| {
+        let name = texture(volumes, i);
+        if volumes[i].is_paged() {
+            format!(
+                "{indent}let place = in_pages(voxel);\n\
+                 {indent}if place.is_constant {{\n{indent}    return place.constant;\n{indent}}}\n\
+                 {indent}return f32(textureLoad({name}, place.texel, 0).r);\n"
+            )
+        } else {
+            format!("{indent}return f32(textureLoad({name}, voxel, 0).r);\n")
+        }
+    };
+    text.push_str(&of_each(volumes, read));
+    text.push_str("}\n");
+    text
+}
+
+/// The function that reads between texels, by the texture unit where it can.
+fn texel_linear(volumes: &[Texels]) -> String {
+    let mut text = String::new();
+    let is_filterable = |texels: &Texels| *texels == Texels::Float;
+    if volumes.iter().any(is_filterable) {
+        let _ = writeln!(
+            text,
+            "/// Linear between texels.\n@group(0) @binding({}) var volume_sampler: sampler;\n",
+            bindings::VOLUME_SAMPLER
+        );
+    }
+    text.push_str("fn texel_linear(position: vec3f) -> f32 {\n");
+    let read = |i: usize, indent: &str| {
+        if is_filterable(&volumes[i]) {
+            let name = texture(volumes, i);
+            format!(
+                "{indent}let place = (position + 0.5) / vec3f(dims());\n\
+                 {indent}let texel = textureSampleLevel({name}, volume_sampler, place, 0.0).r;\n\
+                 {indent}return texel * frame.objects[object()].slope + frame.objects[object()].intercept;\n"
+            )
+        } else {
+            format!("{indent}return linear_by_texels(position);\n")
+        }
+    };
+    text.push_str(&of_each(volumes, read));
+    text.push_str("}\n");
+    text
+}
+
+/// What is read from one volume, or from the one of several that the object shows.
+fn of_each(volumes: &[Texels], read: impl Fn(usize, &str) -> String) -> String {
+    if volumes.len() == 1 {
+        return read(0, "    ");
+    }
+    let mut text = "    switch frame.objects[object()].volume {\n".to_owned();
+    for i in 0..volumes.len() {
+        let case = if i + 1 == volumes.len() {
+            "default".to_owned()
+        } else {
+            format!("case {i}u")
+        };
+        let _ = writeln!(text, "        {case}: {{");
+        text.push_str(&read(i, "            "));
+        text.push_str("        }\n");
+    }
+    text.push_str("    }\n");
+    text
+}
+
+fn texture(volumes: &[Texels], i: usize) -> String {
+    if volumes.len() == 1 {
+        "volume".to_owned()
+    } else {
+        format!("volume_{i}")
     }
 }

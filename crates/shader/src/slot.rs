@@ -24,7 +24,7 @@ pub struct Signature {
     pub name: &'static str,
     /// Name and type of each argument. A module may use other names.
     pub arguments: &'static [(&'static str, &'static str)],
-    /// The type of the result. `State` is a struct that the module itself declares.
+    /// The type of the result, empty for none. `State` is a struct that the module itself declares.
     pub result: &'static str,
 }
 
@@ -186,11 +186,15 @@ pub static SLOTS: [Slot; 12] = [
 
 /// Functions that every module may call and no module replaces: the renderer or the linker
 /// supplies them.
-pub static SUPPLIED: [Signature; 9] = [
+pub static SUPPLIED: [Signature; 19] = [
+    function("object", &[], "u32"),
     function("dims", &[], "vec3i"),
     function("texel", &[("voxel", "vec3i")], "f32"),
     function("texel_linear", &[("position", "vec3f")], "f32"),
     function("table", &[("value", "f32")], "Surface"),
+    function("mask", &[("index", "u32"), ("place", "vec3f")], "f32"),
+    function("tile", &[("pixel", "vec2u")], "f32"),
+    function("opaque_mm", &[], "f32"),
     function("place_mm", &[("position", "vec3f")], "vec3f"),
     function(
         "gradient_per_mm",
@@ -199,6 +203,9 @@ pub static SUPPLIED: [Signature; 9] = [
     ),
     function("opacity_of_step", &[("opacity", "f32")], "f32"),
     function("ray_position", &[("lattice_point", "f32")], "vec3f"),
+    function("distance_mm", &[("lattice_point", "f32")], "f32"),
+    function("report_hit", &[("lattice_point", "f32")], ""),
+    function("look", &[("sample", "Sample")], "Surface"),
     function(
         "lighting",
         &[
@@ -209,6 +216,9 @@ pub static SUPPLIED: [Signature; 9] = [
         ],
         "vec3f",
     ),
+    function("is_finite", &[("value", "f32")], "bool"),
+    function("direction", &[("v", "vec3f")], "vec3f"),
+    function("magnitude", &[("v", "vec3f")], "f32"),
 ];
 
 /// The slot of this name.
@@ -232,6 +242,10 @@ impl std::fmt::Display for Signature {
             let comma = if i == 0 { "" } else { ", " };
             write!(f, "{comma}{name}: {kind}")?;
         }
-        write!(f, ") -> {}", self.result)
+        f.write_str(")")?;
+        if self.result.is_empty() {
+            return Ok(());
+        }
+        write!(f, " -> {}", self.result)
     }
 }

@@ -83,7 +83,20 @@ pub(crate) fn draw(
     }
 }
 
+/// A device may be lost at any time: the driver was updated or reset. It is opened again once.
 fn on_gpu(
+    adapter: Option<&str>,
+    data: &Datasets,
+    plan: &Plan,
+    progress: &(dyn Fn(f64) + Sync),
+) -> Result<(Image, Stats), strahl_gpu::Error> {
+    match on_device(adapter, data, plan, progress) {
+        Err(strahl_gpu::Error::Lost(_)) => on_device(adapter, data, plan, progress),
+        done => done,
+    }
+}
+
+fn on_device(
     adapter: Option<&str>,
     data: &Datasets,
     plan: &Plan,
@@ -91,7 +104,7 @@ fn on_gpu(
 ) -> Result<(Image, Stats), strahl_gpu::Error> {
     let device = Device::open(adapter)?;
     let drawn =
-        strahl_gpu::Renderer::new(&device, data.volumes[0])?.render(plan, |drawn, total| {
+        strahl_gpu::Renderer::new(&device, data.clone())?.render(plan, |drawn, total| {
             progress(drawn as f64 / total as f64);
             ControlFlow::Continue(())
         })?;

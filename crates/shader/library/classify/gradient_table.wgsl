@@ -13,7 +13,7 @@ struct Params {
 fn classify(value: f32, position: vec3f) -> Surface {
     var surface = table(value);
     if surface.opacity > 0.0 {
-        let above = length(gradient(position)) - params.low_per_mm;
+        let above = magnitude(gradient(position)) - params.low_per_mm;
         surface.opacity *= clamp(above / max(params.high_per_mm - params.low_per_mm, 1e-30), 0.0, 1.0);
     }
     return surface;

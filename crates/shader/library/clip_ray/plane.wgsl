@@ -6,9 +6,15 @@ struct Params {
     /// Signed distance of the world's origin from the plane.
     /// default 0, unit mm
     offset_mm: f32,
+    /// Which objects it cuts: bit i stands for object i.
+    /// default 4294967295
+    objects: u32,
 }
 
 fn clip_ray(ray: Ray, interval_mm: vec2f) -> vec2f {
+    if ((params.objects >> object()) & 1u) == 0u {
+        return interval_mm;
+    }
     let height = dot(params.normal, ray.origin_mm) + params.offset_mm;
     let slope = dot(params.normal, ray.direction);
     if slope == 0.0 {

@@ -12,6 +12,9 @@ struct Params {
     /// 1 keeps the inside, 0 the outside.
     /// default 1, range 0 to 1
     keep_inside: u32,
+    /// Which objects it cuts: bit i stands for object i.
+    /// default 4294967295
+    objects: u32,
 }
 
 fn unit(place_mm: vec3f) -> vec3f {
@@ -24,6 +27,9 @@ fn unit(place_mm: vec3f) -> vec3f {
 }
 
 fn clip_sample(place_mm: vec3f) -> bool {
+    if ((params.objects >> object()) & 1u) == 0u {
+        return false;
+    }
     let p = unit(place_mm);
     let inside = dot(p, p) <= 0.25;
     return inside != (params.keep_inside == 1u);

@@ -41,6 +41,7 @@ fn composite_add(state: State, sample: Sample) -> State {
             }
         }
     }
+    report_hit(inside);
     let position = ray_position(inside);
     let surface = classify(reconstruct(position), position);
     return State(shade(surface, position, sample.to_eye).color, true);

@@ -15,12 +15,11 @@ fn composite_start() -> State {
 }
 
 fn composite_add(state: State, sample: Sample) -> State {
-    let surface = classify(sample.value, sample.position);
-    if !(surface.opacity > 0.0) {
+    let seen = look(sample);
+    if !(seen.opacity > 0.0) {
         return state;
     }
-    let seen = shade(surface, sample.position, sample.to_eye);
-    let share = (1.0 - state.alpha) * opacity_of_step(seen.opacity);
+    let share = (1.0 - state.alpha) * seen.opacity;
     return State(state.color + share * seen.color, state.alpha + share);
 }
 

@@ -15,7 +15,7 @@ fn composite_start() -> State {
 }
 
 fn composite_add(state: State, sample: Sample) -> State {
-    return State(max(state.steepest_per_mm, length(gradient(sample.position))), true);
+    return State(max(state.steepest_per_mm, magnitude(gradient(sample.position))), true);
 }
 
 fn composite_done(state: State) -> bool {

@@ -7,8 +7,9 @@ fn reconstruct(position: vec3f) -> f32 {
 // Two taps per axis at the centres of gravity of pairs of weights: 8 linear reads instead of 64
 // (C. Sigg and M. Hadwiger, GPU Gems 2, chapter 20, 2005).
 fn b_spline(position: vec3f) -> f32 {
-    let cell = floor(position);
-    let a = position - cell;
+    let clamped = clamp(position, vec3f(0.0), vec3f(dims() - 1));
+    let cell = floor(clamped);
+    let a = clamped - cell;
     let b = 1.0 - a;
     let w0 = b * b * b / 6.0;
     let w1 = (4.0 - 6.0 * a * a + 3.0 * a * a * a) / 6.0;

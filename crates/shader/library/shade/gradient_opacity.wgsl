@@ -7,6 +7,6 @@ struct Params {
 }
 
 fn shade(surface: Surface, position: vec3f, to_eye: vec3f) -> Surface {
-    let part = clamp(length(gradient(position)) / params.full_per_mm, 0.0, 1.0);
+    let part = clamp(magnitude(gradient(position)) / params.full_per_mm, 0.0, 1.0);
     return Surface(surface.color, surface.opacity * part);
 }

@@ -26,13 +26,3 @@ fn illuminated(surface: Surface, normal: vec3f, position: vec3f, to_eye: vec3f) 
     let color = params.ambient * surface.color + lighting(surface.color, facing, position, to_eye);
     return Surface(color, surface.opacity);
 }
-
-// Unit vector, or 0 for a gradient without direction. Divided by the largest component first: the
-// square of a small gradient would underflow.
-fn direction(gradient: vec3f) -> vec3f {
-    let largest = max(abs(gradient.x), max(abs(gradient.y), abs(gradient.z)));
-    if !(largest > 0.0 && largest <= 3.4e38) {
-        return vec3f(0.0);
-    }
-    return normalize(gradient / largest);
-}

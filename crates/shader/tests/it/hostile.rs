@@ -1,7 +1,8 @@
 //! Modules that mean harm, or are careless enough.
 
+use crate::one;
 use std::sync::Arc;
-use strahl_shader::{Linker, MOST_TURNS, Module, Selection, Texels, built_in, ray_loop};
+use strahl_shader::{Linker, MOST_TURNS, Module, Selection, Texels, built_in};
 
 fn program(source: &str) -> String {
     let mine = Module::parse("mine", "mine.wgsl", source).unwrap();
@@ -15,9 +16,7 @@ fn program(source: &str) -> String {
         s.with(built_in(slot, name).unwrap())
     })
     .with(Arc::new(mine));
-    let program = Linker::new()
-        .link(&ray_loop(Texels::Float), &selection)
-        .unwrap();
+    let program = Linker::new().link(&one(Texels::Float), &selection).unwrap();
     program.wgsl().to_owned()
 }
 

@@ -3,3 +3,20 @@
 mod hostile;
 mod library;
 mod messages;
+
+use strahl_shader::{RayLoop, Skeleton, Texels, ray_loop};
+
+/// The ray loop over one object.
+fn one(texels: Texels) -> Skeleton {
+    loop_over(&[texels], 1)
+}
+
+fn loop_over(volumes: &[Texels], objects: usize) -> Skeleton {
+    let volumes = volumes.to_vec();
+    ray_loop(&RayLoop {
+        volumes,
+        objects,
+        is_before_geometry: objects > 1,
+    })
+    .unwrap()
+}

@@ -1,7 +1,8 @@
 //! What people read who made a mistake.
 
+use crate::one;
 use std::sync::Arc;
-use strahl_shader::{Error, Linker, Module, Selection, Texels, built_in, ray_loop};
+use strahl_shader::{Error, Linker, Module, Selection, Texels, built_in};
 
 fn refused(source: &str) -> String {
     match Module::parse("mine", "mine.wgsl", source) {
@@ -18,7 +19,7 @@ fn linked(modules: &[(&str, &str)], own: &[&str]) -> Result<String, Error> {
     for source in own {
         selection = selection.with(Arc::new(Module::parse("mine", "mine.wgsl", source)?));
     }
-    let program = Linker::new().link(&ray_loop(Texels::Float), &selection)?;
+    let program = Linker::new().link(&one(Texels::Float), &selection)?;
     Ok(program.wgsl().to_owned())
 }
 
@@ -159,9 +160,7 @@ fn wrong_values_are_explained() {
     .fold(Selection::new(), |s, (slot, name)| {
         s.with(built_in(slot, name).unwrap())
     });
-    let program = Linker::new()
-        .link(&ray_loop(Texels::Float), &selection)
-        .unwrap();
+    let program = Linker::new().link(&one(Texels::Float), &selection).unwrap();
     let mut bytes = program.default_parameters();
     let mut set = |label, parameter, value: &[f64]| {
         program
@@ -193,9 +192,7 @@ fn places_in_the_program_lead_back_to_the_module() {
             s.with(built_in(slot, name).unwrap())
         })
         .with(Arc::new(Module::parse("mine", "mine.wgsl", own).unwrap()));
-    let program = Linker::new()
-        .link(&ray_loop(Texels::Float), &selection)
-        .unwrap();
+    let program = Linker::new().link(&one(Texels::Float), &selection).unwrap();
     let at = program
         .wgsl()
         .find("return table(classify_half(value))")

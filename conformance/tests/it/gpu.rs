@@ -1,0 +1,466 @@
+//! The graphics processor beside the processor: the same scenes, the same pictures.
+//!
+//! Without an adapter the tests say that they are skipped; with `CI=true` that is a failure.
+
+use crate::random::{Random, seeds};
+use crate::simple::{cut_box, of_samples, parallel};
+use crate::variants::{any_variant, blobs, pair, ramp, two, wall};
+use glam::{DAffine3, DMat3, DVec3};
+use std::sync::OnceLock;
+use strahl_gpu::{Device, Renderer, no_progress};
+use strahl_scene::plan::*;
+use strahl_scene::{Image, Scene, resolve};
+use strahl_volume::phantom::Phantom;
+use strahl_volume::{Datasets, Grid, Metadata, Rescale, Samples, Volume};
+
+fn device() -> Option<&'static Device> {
+    static DEVICE: OnceLock<Option<Device>> = OnceLock::new();
+    let open = || match Device::open(None) {
+        Ok(device) => Some(device),
+        Err(error) if std::env::var("CI").is_ok_and(|ci| ci == "true") => panic!("{error}"),
+        Err(error) => {
+            println!("skipped: {error}");
+            None
+        }
+    };
+    DEVICE.get_or_init(open).as_ref()
+}
+
+/// What is seen of the difference of two pictures.
+struct Difference {
+    /// In dB, of 8-bit sRGB-like values; infinite if equal.
+    psnr: f64,
+    /// Share of the pixels with a channel that is off by more than 8/255.
+    far: f64,
+    /// The largest difference of a channel.
+    most: f64,
+}
+
+fn difference(a: &Image, b: &Image) -> Difference {
+    let (mut sum, mut far, mut most) = (0.0, 0usize, 0.0f64);
+    for (a, b) in a.pixels().iter().zip(b.pixels()) {
+        let mut worst = 0.0f64;
+        for c in 0..4 {
+            // A square root stands for the curve of the screen.
+            let seen = |v: f32| f64::from(v.clamp(0.0, 1.0)).sqrt();
+            let d = (seen(a[c]) - seen(b[c])).abs();
+            sum += d * d;
+            worst = worst.max(d);
+        }
+        far += usize::from(worst > 8.0 / 255.0);
+        most = most.max(worst);
+    }
+    let n = a.pixels().len() as f64;
+    Difference {
+        psnr: -10.0 * (sum / (4.0 * n)).log10(),
+        far: far as f64 / n,
+        most,
+    }
+}
+
+/// Draws on both; `None` without an adapter.
+fn both(volume: &Volume, scene: &str) -> Option<(Image, Image)> {
+    let device = device()?;
+    let plan = resolve(
+        &Scene::parse("scene", scene).unwrap(),
+        &volume.header(),
+        None,
+    )
+    .unwrap();
+    let cpu = strahl_cpu::Renderer::new(volume)
+        .render(&plan, &Default::default(), &strahl_cpu::no_progress)
+        .unwrap();
+    let gpu = Renderer::new(device, volume)
+        .unwrap()
+        .render(&plan, no_progress)
+        .unwrap();
+    Some((cpu.image, gpu.image))
+}
+
+fn agrees(what: &str, volume: &Volume, scene: &str) {
+    if let Some((cpu, gpu)) = both(volume, scene) {
+        looks_the_same(what, &cpu, &gpu);
+    }
+}
+
+fn looks_the_same(what: &str, cpu: &Image, gpu: &Image) {
+    let seen = cpu.pixels().iter().filter(|p| p[3] > 0.0).count();
+    assert!(seen > cpu.pixels().len() / 20, "{what}: nothing is seen");
+    let d = difference(cpu, gpu);
+    println!(
+        "{what}: {:.1} dB, {:.4} far, at most {:.3}",
+        d.psnr, d.far, d.most
+    );
+    // Silhouettes: a sample that lies on the border of the extent or of a surface may fall on
+    // either side of it in single precision.
+    assert!(
+        d.psnr >= 45.0 && d.far < 0.003,
+        "{what}: {:.1} dB, {} far",
+        d.psnr,
+        d.far
+    );
+}
+
+const SCENES: [(&str, &str); 8] = [
+    ("default", r#"{ "size": [96, 80] }"#),
+    (
+        "unlit",
+        r#"{ "size": [96, 80], "shading": { "model": "unlit" } }"#,
+    ),
+    (
+        "mip",
+        r#"{ "size": [96, 80], "method": "mip", "preset": "mip" }"#,
+    ),
+    (
+        "minip",
+        r#"{ "size": [96, 80], "method": "minip", "preset": "mip" }"#,
+    ),
+    (
+        "average",
+        r#"{ "size": [96, 80], "method": "average", "preset": "x-ray" }"#,
+    ),
+    ("jitter", r#"{ "size": [96, 80], "jitter": { "seed": 7 } }"#),
+    (
+        "nearest",
+        r#"{ "size": [96, 80], "reconstruct": "nearest" }"#,
+    ),
+    (
+        "opaque background",
+        r##"{ "size": [96, 80], "background": "#204060" }"##,
+    ),
+];
+
+#[test]
+fn phantoms_look_the_same() {
+    for phantom in [
+        Phantom::Tree,
+        Phantom::MarschnerLobb,
+        Phantom::Anatomy,
+        Phantom::Fog,
+    ] {
+        let volume = phantom.volume([40, 36, 44]).unwrap();
+        for (name, scene) in SCENES {
+            agrees(&format!("{phantom:?} {name}"), &volume, scene);
+        }
+    }
+}
+
+#[test]
+fn every_sample_type_looks_the_same() {
+    let dims = [20, 24, 28];
+    let field = |i: usize| {
+        let (x, y, z) = (i % 20, i / 20 % 24, i / 480);
+        let r = [
+            x as f64 / 9.5 - 1.0,
+            y as f64 / 11.5 - 1.0,
+            z as f64 / 13.5 - 1.0,
+        ];
+        100.0 * (1.0 - r.iter().map(|v| v * v).sum::<f64>()).max(0.0)
+    };
+    let n = dims.iter().product::<usize>();
+    let all: [Samples; 8] = [
+        Samples::U8((0..n).map(|i| field(i) as u8).collect()),
+        Samples::I8((0..n).map(|i| (field(i) - 50.0) as i8).collect()),
+        Samples::U16((0..n).map(|i| (600.0 * field(i)) as u16).collect()),
+        Samples::I16(
+            (0..n)
+                .map(|i| (600.0 * field(i) - 30_000.0) as i16)
+                .collect(),
+        ),
+        Samples::U32((0..n).map(|i| (1e4 * field(i)) as u32).collect()),
+        Samples::I32((0..n).map(|i| (1e4 * field(i) - 5e5) as i32).collect()),
+        Samples::F32((0..n).map(|i| field(i) as f32).collect()),
+        Samples::F64((0..n).map(field).collect()),
+    ];
+    let grid = Grid::centred(dims, DVec3::new(1.0, 0.75, 1.5)).unwrap();
+    for samples in all {
+        let what = format!("{:?}", samples.sample_type());
+        let volume =
+            Volume::new(grid, samples, Rescale::new(-2.0, 3.0), Metadata::default()).unwrap();
+        for (name, scene) in SCENES {
+            agrees(&format!("{what} {name}"), &volume, scene);
+        }
+    }
+}
+
+/// One key at a time that chooses another function.
+const VARIANTS: [&str; 33] = [
+    r#""method": "gmip""#,
+    r#""method": "mida""#,
+    r#""method": "first-hit""#,
+    r#""method": "mip", "shading": { "model": "phong" }"#,
+    r#""quality": "null""#,
+    r#""quality": "minimum""#,
+    r#""quality": "maximum""#,
+    r#""debug": "exit""#,
+    r#""debug": "normal""#,
+    r#""debug": "gradient-raw""#,
+    r#""debug": "gradient-magnitude""#,
+    r#""debug": "sample-count""#,
+    r#""debug": "depth""#,
+    r#""reconstruct": "b-spline""#,
+    r#""reconstruct": "b-spline-interpolating""#,
+    r#""reconstruct": "catmull-rom""#,
+    r#""gradient": { "method": "forward" }"#,
+    r#""gradient": { "method": "backward", "of": "opacity" }"#,
+    r#""gradient": { "method": "sobel" }"#,
+    r#""gradient": { "method": "b-spline" }"#,
+    r#""shading": { "model": "lambert" }"#,
+    r#""shading": { "model": "cook-torrance" }"#,
+    r#""shading": { "model": "gradient-opacity" }"#,
+    r#""shading": { "keep_last_normal": true }"#,
+    r#""lights": [{ "type": "point", "position": [40, 60, 20], "reach_mm": 60 }]"#,
+    r#""jitter": { "white-tile": 3 }"#,
+    r#""jitter": { "blue-tile": 3 }, "frames": 5"#,
+    r##""compositing": "display", "background": "#406080""##,
+    r#""clips": [{ "ellipsoid": { "min": [0.1, 0.2, 0.1], "max": [0.8, 0.9, 0.7], "space": "fraction" } }]"#,
+    r#""clips": [{ "cylinder": { "min": [0.3, 0.3, 0], "max": [0.7, 0.7, 0.6], "space": "fraction", "keep": "outside" } }]"#,
+    r#""functions": { "classify": { "module": "pre_classified" } }"#,
+    r#""functions": { "composite": { "module": "back_to_front" } }"#,
+    r##""functions": { "fetch": { "module": "noise", "params": { "cell_voxels": 9 } } },
+       "transfer_function": { "points": [[0.3, 0, "#ff8040"], [0.8, 0.9, "#80c0ff"]] }"##,
+];
+
+#[test]
+fn every_variant_looks_the_same() {
+    for phantom in [Phantom::Tree, Phantom::Anatomy] {
+        let volume = phantom.volume([40, 36, 44]).unwrap();
+        for keys in VARIANTS {
+            let scene = format!("{{ \"size\": [80, 64], {keys} }}");
+            agrees(&format!("{phantom:?} {keys}"), &volume, &scene);
+        }
+    }
+}
+
+/// The same Plan of the same data on both.
+fn both_draw(what: &str, data: &Datasets, plan: &Plan, most: Option<u32>) {
+    let Some(device) = device() else { return };
+    let cpu = strahl_cpu::Renderer::new(data.clone())
+        .render(plan, &Default::default(), &strahl_cpu::no_progress)
+        .unwrap();
+    let gpu = match most {
+        Some(most) => Renderer::with_largest_texture(device, data.clone(), most),
+        None => Renderer::new(device, data.clone()),
+    };
+    let gpu = gpu.unwrap().render(plan, no_progress).unwrap();
+    looks_the_same(what, &cpu.image, &gpu.image);
+    if let (Some(cpu), Some(gpu)) = (cpu.depth_mm, gpu.depth_mm) {
+        let off = |(a, b): (&f32, &f32)| (a - b).abs() > 0.02 && a.is_finite() == b.is_finite();
+        let other = cpu
+            .iter()
+            .zip(&gpu)
+            .filter(|(a, b)| a.is_finite() != b.is_finite());
+        assert!(cpu.iter().any(|d| d.is_finite()), "{what}: no depth");
+        assert!(other.count() < cpu.len() / 200, "{what}: other hits");
+        let far = cpu.iter().zip(&gpu).filter(|pair| off(*pair)).count();
+        assert!(far < cpu.len() / 200, "{what}: {far} depths are off");
+    }
+}
+
+#[test]
+fn several_volumes_meshes_and_masks_look_the_same() {
+    let (a, b) = pair();
+    let mask = of_samples(
+        *a.grid(),
+        Samples::U16(
+            (0..8000)
+                .map(|i| if i % 20 >= 10 { 700 } else { 3 })
+                .collect(),
+        ),
+    );
+    let mesh = wall(1.0);
+    let data = Datasets {
+        volumes: vec![&a, &b],
+        masks: vec![&mask],
+        meshes: vec![&mesh],
+    };
+    let mut plan = two(&a, &b);
+    (plan.width, plan.height) = (120, 100);
+    both_draw("two volumes", &data, &plan, None);
+    plan.composite = Composite::BackToFront;
+    both_draw("two volumes from the back", &data, &plan, None);
+    plan.objects.push(plan.objects[0].clone());
+    plan.objects[2].grid = plan.objects[1].grid;
+    plan.objects[2].volume = 1;
+    plan.objects[2].table = ramp();
+    both_draw("three objects of two volumes", &data, &plan, None);
+    plan.sample_clips = vec![SampleClip {
+        shape: ClipShape::Mask {
+            mask: 0,
+            threshold: 350.0,
+        },
+        objects: 0b101,
+        ..cut_box(DAffine3::from_scale(DVec3::splat(1.0 / 20.0)), true)
+    }];
+    both_draw("a mask over two of three", &data, &plan, None);
+    plan.meshes = vec![PlanMesh {
+        mesh: 0,
+        world_from_mesh: DAffine3::from_mat3_translation(
+            DMat3::from_rotation_z(0.3) * 0.15,
+            DVec3::new(1.0, 0.0, 2.0),
+        ),
+        color: [0.2, 0.5, 0.9],
+    }];
+    plan.lights = vec![
+        PlanLight::Directional {
+            to_light: DVec3::new(-0.6, -0.8, 0.0),
+            radiance: [0.9, 0.7, 0.5],
+        },
+        PlanLight::Point {
+            place_mm: DVec3::new(5.0, -20.0, 9.0),
+            reach_mm: 20.0,
+            radiance: [0.2, 0.4, 0.6],
+        },
+    ];
+    plan.background = [0.1, 0.1, 0.2, 1.0];
+    plan.with_depth = true;
+    both_draw("and a mesh", &data, &plan, None);
+    plan.camera = PlanCamera {
+        projection: Projection::Perspective {
+            tan_half_height: 0.25,
+        },
+        ..plan.camera
+    };
+    both_draw("in perspective", &data, &plan, None);
+    // Larger than a part of the picture.
+    (plan.width, plan.height) = (640, 530);
+    both_draw("in parts", &data, &plan, None);
+}
+
+#[test]
+fn a_volume_beyond_the_largest_texture_looks_the_same() {
+    let grid = Grid::centred([150, 40, 70], DVec3::ONE).unwrap();
+    let blob = blobs(
+        grid,
+        &[DVec3::new(-40.0, 0.0, 0.0), DVec3::new(50.0, 5.0, 20.0)],
+        14.0,
+    );
+    let mut plan = crate::simple::plan(
+        &blob,
+        parallel(DVec3::new(0.3, 1.0, -0.2), 200.0, 60.0),
+        ramp(),
+    );
+    (plan.width, plan.height) = (100, 60);
+    plan.shade = crate::simple::blinn_phong(0.3, 0.6, 0.3, 20.0);
+    plan.lights = vec![PlanLight::Head { radiance: [1.0; 3] }];
+    for most in [96, 128] {
+        both_draw(
+            &format!("pages in textures of {most}"),
+            &Datasets::from(&blob),
+            &plan,
+            Some(most),
+        );
+    }
+    let Some(device) = device() else { return };
+    // More pages than a texture of 32 voxels has room for: one.
+    let refused = Renderer::with_largest_texture(device, &blob, 32);
+    let message = refused.map(|_| ()).unwrap_err().to_string();
+    assert!(
+        message.contains("[150, 40, 70]") && message.contains("--backend cpu"),
+        "{message}"
+    );
+}
+
+#[test]
+fn hits_are_as_far_away() {
+    let grid = Grid::centred([40; 3], DVec3::ONE).unwrap();
+    let ball = crate::simple::volume(grid, |p| 20.0 - p.length());
+    let mut plan = crate::simple::plan(
+        &ball,
+        parallel(DVec3::Y, 60.0, 16.0),
+        crate::simple::grey(0.0, 1.0),
+    );
+    (plan.width, plan.height) = (60, 50);
+    plan.composite = Composite::FirstHit { threshold: 8.0 };
+    plan.with_depth = true;
+    both_draw("a sphere", &Datasets::from(&ball), &plan, None);
+}
+
+#[test]
+fn random_plans_look_the_same() {
+    let (mut drawn, mut failed) = (0, Vec::new());
+    for seed in seeds(60) {
+        let Some(device) = device() else { return };
+        let mut random = Random::new(seed ^ 0x69F0);
+        let volume = random.volume();
+        let range = volume.statistics().range;
+        // 32-bit integers do not fit into the floats of a texture, and what is not finite is no
+        // number there that could be relied on.
+        let exact = matches!(
+            volume.samples(),
+            Samples::U8(_) | Samples::I8(_) | Samples::U16(_) | Samples::I16(_)
+        );
+        if !exact || range[0] == range[1] {
+            continue;
+        }
+        let mut plan = any_variant(&mut random, &volume);
+        (plan.width, plan.height) = (24, 20);
+        // 64 times 64 reads per gradient take a software adapter minutes to compile.
+        plan.fetch = Fetch::Stored;
+        if plan.reconstruct == Reconstruct::CatmullRom {
+            plan.gradient.method = GradientMethod::Central;
+        }
+        // In constant parts the gradient of a cubic is what rounding leaves, and so is the normal.
+        if matches!(plan.shade, Shade::Lit { .. }) && plan.reconstruct != Reconstruct::Trilinear {
+            plan.shade = Shade::Unlit;
+        }
+        let cpu = match strahl_cpu::Renderer::new(&volume).render(
+            &plan,
+            &Default::default(),
+            &strahl_cpu::no_progress,
+        ) {
+            Ok(drawn) => drawn.image,
+            Err(strahl_cpu::Error::Coefficients(_)) => continue,
+            Err(error) => panic!("{error}"),
+        };
+        let gpu = Renderer::new(device, &volume)
+            .unwrap()
+            .render(&plan, no_progress);
+        let d = difference(&cpu, &gpu.unwrap().image);
+        drawn += 1;
+        // Transfer functions one entry wide, edges of boxes and nearest voxels: single samples flip.
+        if d.far > 0.05 {
+            failed.push((seed, d.psnr, d.far, d.most, plan));
+        }
+    }
+    for (seed, psnr, far, most, plan) in &failed {
+        println!(
+            "seed {seed}: {psnr:.1} dB, {far:.3} far, at most {most:.3}: {:?} {:?} {:?} {:?} {:?} {:?}",
+            plan.composite, plan.reconstruct, plan.classify, plan.fetch, plan.gradient, plan.shade
+        );
+    }
+    assert!(
+        drawn > 30 && failed.is_empty(),
+        "{} of {drawn} differ",
+        failed.len()
+    );
+}
+
+#[test]
+fn a_pipeline_is_made_in_the_background_and_found_again() {
+    let Some(device) = device() else { return };
+    let (a, _) = pair();
+    let mut renderer = Renderer::new(device, &a).unwrap();
+    let mut plan = crate::simple::plan(&a, parallel(DVec3::Y, 60.0, 14.0), ramp());
+    assert!(!renderer.is_ready(&plan).unwrap());
+    let start = std::time::Instant::now();
+    while !renderer.is_ready(&plan).unwrap() {
+        assert!(start.elapsed().as_secs() < 60, "never ready");
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    let program = renderer.program(&plan).unwrap();
+    // Another value is no other program; another function is.
+    plan.composite = Composite::EmissionAbsorption {
+        stop_at_transmittance: 0.25,
+    };
+    plan.objects[0].table = crate::simple::white(0.5, 1.0);
+    assert!(renderer.is_ready(&plan).unwrap());
+    assert!(std::sync::Arc::ptr_eq(
+        &program,
+        &renderer.program(&plan).unwrap()
+    ));
+    plan.composite = Composite::Mip;
+    assert!(!renderer.is_ready(&plan).unwrap());
+    assert!(renderer.render(&plan, no_progress).is_ok());
+    assert!(renderer.is_ready(&plan).unwrap());
+}

@@ -1,0 +1,3 @@
+fn behind() -> vec4f {
+    return frame.background;
+}

@@ -1,0 +1,45 @@
+@group(0) @binding(8) var mask_0: texture_3d<f32>;
+@group(0) @binding(9) var mask_1: texture_3d<f32>;
+@group(0) @binding(10) var mask_2: texture_3d<f32>;
+@group(0) @binding(11) var mask_3: texture_3d<f32>;
+
+fn mask_dims(index: u32) -> vec3i {
+    switch index {
+        case 0u: { return vec3i(textureDimensions(mask_0)); }
+        case 1u: { return vec3i(textureDimensions(mask_1)); }
+        case 2u: { return vec3i(textureDimensions(mask_2)); }
+        default: { return vec3i(textureDimensions(mask_3)); }
+    }
+}
+
+fn mask_texel(index: u32, voxel: vec3i) -> f32 {
+    switch index {
+        case 0u: { return textureLoad(mask_0, voxel, 0).r; }
+        case 1u: { return textureLoad(mask_1, voxel, 0).r; }
+        case 2u: { return textureLoad(mask_2, voxel, 0).r; }
+        default: { return textureLoad(mask_3, voxel, 0).r; }
+    }
+}
+
+// By eight texels: masks are cut at a threshold, which shows the coarse weights of texture units.
+fn mask(index: u32, place: vec3f) -> f32 {
+    if any(place < vec3f(0.0)) || any(place > vec3f(1.0)) {
+        return 0.0;
+    }
+    let last = mask_dims(index) - 1;
+    let position = clamp(place * vec3f(last + 1) - 0.5, vec3f(0.0), vec3f(last));
+    let low = vec3i(position);
+    let high = min(low + 1, last);
+    let part = position - vec3f(low);
+    let near = mix(
+        mix(mask_texel(index, low), mask_texel(index, vec3i(high.x, low.y, low.z)), part.x),
+        mix(mask_texel(index, vec3i(low.x, high.y, low.z)), mask_texel(index, vec3i(high.x, high.y, low.z)), part.x),
+        part.y,
+    );
+    let far = mix(
+        mix(mask_texel(index, vec3i(low.x, low.y, high.z)), mask_texel(index, vec3i(high.x, low.y, high.z)), part.x),
+        mix(mask_texel(index, vec3i(low.x, high.y, high.z)), mask_texel(index, high), part.x),
+        part.y,
+    );
+    return mix(near, far, part.z);
+}

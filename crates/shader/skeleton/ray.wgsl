@@ -1,0 +1,219 @@
+// What every ray loop has: the uniform block, the functions that modules may call, the entry points.
+// `docs/plan.md` says what a renderer has to compute.
+
+struct Object {
+    /// Rows of affine maps.
+    voxel_from_world: array<vec4f, 3>,
+    world_from_voxel: array<vec4f, 3>,
+    dims: vec3u,
+    /// Which of the volumes it shows.
+    volume: u32,
+    /// Where its bricks begin in the texture of all objects' bricks.
+    bricks_first: vec3u,
+    /// The entry of the transfer texture at which its table begins; always at the start of a row.
+    table_first: u32,
+    /// Where its pages begin in the texture of all pages.
+    pages_first: vec3u,
+    table_entries: u32,
+    table_domain: vec2f,
+    /// value = slope · texel + intercept
+    slope: f32,
+    intercept: f32,
+    /// The exponent of the opacity correction.
+    steps_per_reference: f32,
+}
+
+struct Frame {
+    eye_mm: vec3f,
+    step_mm: f32,
+    right: vec3f,
+    /// Tangent of half the view angle, or half the height of the picture in mm.
+    half_height: f32,
+    up: vec3f,
+    aspect: f32,
+    forward: vec3f,
+    is_perspective: u32,
+    /// Linear, premultiplied.
+    background: vec4f,
+    size: vec2u,
+    /// The pixel of the picture at the corner of the part that is drawn.
+    origin: vec2u,
+    /// Which of the pictures that are averaged this is.
+    number: u32,
+    objects: array<Object, OBJECTS>,
+}
+
+@group(0) @binding(0) var<uniform> frame: Frame;
+/// Rows of `TABLE_ROW` entries.
+@group(0) @binding(4) var transfer: texture_2d<f32>;
+/// Per brick of `BRICK` voxels an edge, for all objects: 0 where nothing can be seen.
+@group(0) @binding(5) var bricks: texture_3d<u32>;
+
+const TABLE_ROW: u32 = 4096u;
+const BRICK: f32 = 8.0;
+/// Farther than anything: where nothing was hit, and where no geometry is.
+const NOWHERE_MM: f32 = 3.0e38;
+
+// Of this ray: the pixel of the part that is drawn, the lattice's beginning, what was hit.
+var<private> pixel_of_part: vec2u;
+var<private> entry_mm: f32;
+var<private> hit_mm: f32 = NOWHERE_MM;
+
+// By bits: compilers may assume that no number is NaN.
+fn is_finite(value: f32) -> bool {
+    return (bitcast<u32>(value) & 0x7F800000u) != 0x7F800000u;
+}
+
+fn direction(v: vec3f) -> vec3f {
+    // Divided by the largest component first: the square of a small vector would underflow.
+    let size = abs(v);
+    let largest = max(size.x, max(size.y, size.z));
+    if !(largest > 0.0) || !is_finite(size.x + size.y + size.z) {
+        return vec3f(0.0);
+    }
+    return normalize(v / largest);
+}
+
+fn magnitude(v: vec3f) -> f32 {
+    let size = abs(v);
+    let largest = max(size.x, max(size.y, size.z));
+    if !(largest > 0.0) || !is_finite(size.x + size.y + size.z) {
+        return 0.0;
+    }
+    return largest * length(v / largest);
+}
+
+fn rows_times(rows: array<vec4f, 3>, p: vec4f) -> vec3f {
+    return vec3f(dot(rows[0], p), dot(rows[1], p), dot(rows[2], p));
+}
+
+fn dims() -> vec3i {
+    return vec3i(frame.objects[object()].dims);
+}
+
+fn place_mm(position: vec3f) -> vec3f {
+    return rows_times(frame.objects[object()].world_from_voxel, vec4f(position, 1.0));
+}
+
+fn gradient_per_mm(gradient_per_voxel: vec3f) -> vec3f {
+    let m = frame.objects[object()].voxel_from_world;
+    return m[0].xyz * gradient_per_voxel.x + m[1].xyz * gradient_per_voxel.y + m[2].xyz * gradient_per_voxel.z;
+}
+
+fn opacity_of_step(opacity: f32) -> f32 {
+    let exponent = frame.objects[object()].steps_per_reference;
+    let within = clamp(opacity, 0.0, 1.0);
+    if exponent == 1.0 {
+        return within;
+    }
+    return 1.0 - pow(1.0 - within, exponent);
+}
+
+fn distance_mm(lattice_point: f32) -> f32 {
+    return entry_mm + lattice_point * frame.step_mm;
+}
+
+fn report_hit(lattice_point: f32) {
+    hit_mm = distance_mm(lattice_point);
+}
+
+fn table_entry(index: u32) -> vec4f {
+    return textureLoad(transfer, vec2u(index % TABLE_ROW, index / TABLE_ROW), 0);
+}
+
+fn table(value: f32) -> Surface {
+    // NaN has no place in the table; what is infinite is at one of its ends.
+    if (bitcast<u32>(value) & 0x7FFFFFFFu) > 0x7F800000u {
+        return Surface(vec3f(0.0), 0.0);
+    }
+    let first = frame.objects[object()].table_first;
+    let entries = frame.objects[object()].table_entries;
+    let domain = frame.objects[object()].table_domain;
+    let last = f32(entries - 1u);
+    let place = clamp((value - domain.x) * (last / (domain.y - domain.x)), 0.0, last);
+    let index = min(u32(place), entries - 2u);
+    let entry = mix(table_entry(first + index), table_entry(first + index + 1u), place - f32(index));
+    return Surface(entry.rgb, entry.a);
+}
+
+// A ray in the voxel space of an object: `along` is the way of one mm.
+struct Line {
+    start: vec3f,
+    along: vec3f,
+}
+
+fn line_of(ray: Ray) -> Line {
+    let rows = frame.objects[object()].voxel_from_world;
+    return Line(rows_times(rows, vec4f(ray.origin_mm, 1.0)), rows_times(rows, vec4f(ray.direction, 0.0)));
+}
+
+// Where a ray is inside the sampled extent: half a voxel around the voxel centres.
+fn extent_mm(line: Line) -> vec2f {
+    let end = vec3f(dims()) - 0.5;
+    let low = (vec3f(-0.5) - line.start) / line.along;
+    let high = (end - line.start) / line.along;
+    // Along an axis that the ray does not move on, it is inside or outside for good.
+    let still = abs(line.along) < vec3f(1e-12);
+    let is_outside = any(still & ((line.start < vec3f(-0.5)) | (line.start > end)));
+    let enter = select(min(low, high), vec3f(-1e30), still);
+    let leave = select(max(low, high), vec3f(1e30), still);
+    let enter_mm = max(max(enter.x, enter.y), max(enter.z, 0.0));
+    let leave_mm = min(leave.x, min(leave.y, leave.z));
+    return vec2f(enter_mm, select(leave_mm, enter_mm - 1.0, is_outside));
+}
+
+// How many lattice points from `position` on, on the way of `step`, lie in a brick in which nothing
+// can be seen.
+fn empty_points(position: vec3f, step: vec3f) -> f32 {
+    let last = vec3f((frame.objects[object()].dims - 1u) / u32(BRICK));
+    let brick = clamp(floor(position / BRICK), vec3f(0.0), last);
+    if textureLoad(bricks, frame.objects[object()].bricks_first + vec3u(brick), 0).r != 0u {
+        return 0.0;
+    }
+    // A margin on all faces makes up for rounding; the outermost bricks go on to the border.
+    let low = select(brick * BRICK + 0.001, vec3f(-1e9), brick == vec3f(0.0));
+    let high = select((brick + 1.0) * BRICK - 0.001, vec3f(1e9), brick == last);
+    let face = select(low, high, step > vec3f(0.0));
+    let way = select((face - position) / step, vec3f(1e9), abs(step) < vec3f(1e-12));
+    return max(floor(min(way.x, min(way.y, way.z))), 0.0) + 1.0;
+}
+
+fn ray_of(pixel: vec2u) -> Ray {
+    let centre = vec2f(pixel) + 0.5;
+    let across = (2.0 * centre.x / f32(frame.size.x) - 1.0) * frame.aspect;
+    let upward = 1.0 - 2.0 * centre.y / f32(frame.size.y);
+    let offset = (across * frame.right + upward * frame.up) * frame.half_height;
+    if frame.is_perspective == 1u {
+        return Ray(frame.eye_mm, normalize(frame.forward + offset));
+    }
+    return Ray(frame.eye_mm + offset, frame.forward);
+}
+
+@vertex
+fn vertex(@builtin(vertex_index) index: u32) -> @builtin(position) vec4f {
+    // One triangle over the whole picture.
+    return vec4f(f32(index & 1u) * 4.0 - 1.0, f32(index >> 1u) * 4.0 - 1.0, 0.0, 1.0);
+}
+
+fn pixel_at(at: vec4f) -> vec4f {
+    pixel_of_part = vec2u(at.xy);
+    let seen = march(pixel_of_part + frame.origin);
+    return seen + (1.0 - seen.a) * behind();
+}
+
+@fragment
+fn fragment(@builtin(position) at: vec4f) -> @location(0) vec4f {
+    return pixel_at(at);
+}
+
+struct PixelWithDepth {
+    @location(0) color: vec4f,
+    /// Distance of the reported hit from the ray's start, `NOWHERE_MM` without one.
+    @location(1) hit_mm: f32,
+}
+
+@fragment
+fn fragment_with_depth(@builtin(position) at: vec4f) -> PixelWithDepth {
+    let color = pixel_at(at);
+    return PixelWithDepth(color, hit_mm);
+}
