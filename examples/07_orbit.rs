@@ -36,7 +36,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let path = PathBuf::from(format!("07_orbit_{i:03}.png"));
         // The file gets its name when it is complete.
         let mut file = Output::create(&path)?;
-        write_picture(&drawn.image, &plan.display, Encoding::Png8, None, &mut file)?;
+        let image = &drawn.image;
+        write_picture(image, None, &plan.display, Encoding::Png8, None, &mut file)?;
         file.finish()?;
         println!("{}: {:.2} s", path.display(), drawn.stats.draw_seconds);
     }

@@ -133,10 +133,7 @@ pub fn plan(volume: &Volume, camera: PlanCamera, table: TransferTable) -> Plan {
         background: [0.0; 4],
         compositing: Compositing::Linear,
         with_depth: false,
-        display: Display {
-            exposure: 1.0,
-            tone_map: ToneMap::Clamp,
-        },
+        display: Display::PLAIN,
     }
 }
 

@@ -535,13 +535,51 @@ pub struct Display {
     pub exposure: f32,
     /// How light above 1 is brought down.
     pub tone_map: ToneMap,
+    /// Light from 0 to 1 → the numbers of the file.
+    pub curve: DisplayCurve,
+    /// Whether jagged edges of the encoded picture are smoothed.
+    pub fxaa: bool,
+}
+
+impl Display {
+    /// Light as it is, up to 1, in the curve of sRGB.
+    pub const PLAIN: Display = Display {
+        exposure: 1.0,
+        tone_map: ToneMap::Clamp,
+        curve: DisplayCurve::Srgb,
+        fxaa: false,
+    };
 }
 
 /// How light above 1 is brought down.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ToneMap {
     /// Cut off at 1.
     Clamp,
     /// L / (1 + L) on the luminance.
     Reinhard,
+    /// L · (1 + L / white²) / (1 + L) on the luminance.
+    ReinhardExtended {
+        /// The luminance that becomes 1, > 0.
+        white: f32,
+    },
+    /// Narkowicz's fit of the ACES curve, per channel.
+    Aces,
+    /// Hable's filmic curve, per channel.
+    Hable {
+        /// The light that becomes 1, > 0.
+        white: f32,
+    },
+}
+
+/// Light from 0 to 1 → display numbers from 0 to 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum DisplayCurve {
+    /// IEC 61966-2-1.
+    Srgb,
+    /// light^(1/gamma).
+    Power {
+        /// > 0.
+        gamma: f32,
+    },
 }

@@ -3,17 +3,17 @@
 use crate::clip::{ClipPlaces, PlanClips};
 use crate::object::{self, OWN_VOLUME, placements};
 use crate::plan::{
-    Classify, Composite, Compositing as PlanCompositing, DebugView as PlanDebugView,
-    Display as PlanDisplay, Fetch, Gradient as PlanGradient, GradientInput as PlanGradientInput,
+    Classify, Composite, Compositing as PlanCompositing, DebugView as PlanDebugView, Fetch,
+    Gradient as PlanGradient, GradientInput as PlanGradientInput,
     GradientMethod as PlanGradientMethod, Illuminate, Jitter as PlanJitter, Lattice, MOST_OBJECTS,
-    Plan, PlanMesh, PlanObject, Reconstruct as PlanReconstruct, Shade, ToneMap as PlanToneMap,
+    Plan, PlanMesh, PlanObject, Reconstruct as PlanReconstruct, Shade,
 };
 use crate::problem::{Checker, Number, Within};
 use crate::window::otsu_threshold;
 use crate::{
-    Background, Color, Compositing, DebugView, Display, Gradient, GradientInput, GradientMethod,
-    Headers, Jitter, Light, Method, PresetInfo, Problem, Problems, Quality, Reconstruct, Scene,
-    SceneObject, Shading, ShadingModel, ToneMap, function, presets,
+    Background, Color, Compositing, DebugView, Gradient, GradientInput, GradientMethod, Headers,
+    Jitter, Light, Method, PresetInfo, Problem, Problems, Quality, Reconstruct, Scene, SceneObject,
+    Shading, ShadingModel, function, presets,
 };
 use glam::{DAffine3, DMat3, DVec3};
 use strahl_volume::{Grid, VolumeHeader};
@@ -71,8 +71,6 @@ pub fn settled_with(scene: &Scene, headers: &Headers) -> Scene {
     let lights = scene.lights.clone().or_else(|| {
         (is_lit || has_mesh).then(|| from_preset.lights.unwrap_or_else(default_lights))
     });
-    let display = scene.display.unwrap_or_default();
-    let preset_display = from_preset.display.unwrap_or_default();
     let debug = scene.debug.or(quality.debug);
     let mut unheard = Checker::default();
     let places = Places::new(scene, headers, &mut unheard);
@@ -155,13 +153,12 @@ pub fn settled_with(scene: &Scene, headers: &Headers) -> Scene {
             .or(from_preset.background)
             .or(Some(Background::Color(Color::BLACK))),
         size: Some(size),
-        display: Some(Display {
-            exposure: display.exposure.or(preset_display.exposure).or(Some(1.0)),
-            tone_map: display
-                .tone_map
-                .or(preset_display.tone_map)
-                .or(Some(ToneMap::Clamp)),
-        }),
+        display: Some(
+            scene
+                .display
+                .unwrap_or_default()
+                .settled(from_preset.display.unwrap_or_default()),
+        ),
     }
 }
 
@@ -531,9 +528,7 @@ pub fn resolve_with(scene: &Scene, headers: &Headers) -> Result<Plan, Problems> 
         crate::light::check_color("background", color, &mut checker);
     }
     let meshes = plan_meshes(&settled, headers, &places, compositing, &mut checker);
-    let display = settled.display.unwrap_or_default();
-    let exposure = display.exposure.unwrap_or(1.0);
-    checker.number("display.exposure", exposure, Within::Closed(1e-6, 1e6));
+    let display = settled.display.unwrap_or_default().plan(&mut checker);
 
     let (Some(objects), Some(camera)) = (objects, camera) else {
         // Both report a problem when they fail.
@@ -585,13 +580,7 @@ pub fn resolve_with(scene: &Scene, headers: &Headers) -> Result<Plan, Problems> 
         background: background.in_space(compositing),
         compositing,
         with_depth: false,
-        display: PlanDisplay {
-            exposure: exposure as f32,
-            tone_map: match display.tone_map.unwrap_or(ToneMap::Clamp) {
-                ToneMap::Clamp => PlanToneMap::Clamp,
-                ToneMap::Reinhard => PlanToneMap::Reinhard,
-            },
-        },
+        display,
     };
     if let Some(functions) = &settled.functions {
         function::apply(functions, &headers.modules, &mut plan, &mut checker);

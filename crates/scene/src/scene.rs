@@ -1,6 +1,8 @@
 //! The Scene: what is to be drawn, as people write it. Every key may be left out.
 
 use crate::parse::nearest;
+use crate::plan;
+use crate::problem::{Checker, Number, Within};
 use crate::{
     Background, Camera, Clip, FunctionUse, Light, Placement, Problem, Problems, SceneObject,
     TransferFunction,
@@ -552,12 +554,21 @@ pub enum Jitter {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Display {
-    /// Light is multiplied by this first, above 0 to 1,000,000.
+    /// Light is multiplied by this first, 1e-6 to 1e6.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub exposure: Option<f64>,
     /// How light above white is brought down.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tone_map: Option<ToneMap>,
+    /// The light that `reinhard-extended` and `hable` make white, 0.001 to 1e6.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub white_point: Option<f64>,
+    /// Encodes colours by the power 1/gamma, 0.1 to 10, instead of the curve of sRGB.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gamma: Option<f64>,
+    /// Smooths jagged edges of the finished picture (FXAA).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fxaa: Option<bool>,
 }
 
 /// How light above white is brought down.
@@ -568,4 +579,117 @@ pub enum ToneMap {
     Clamp,
     /// L / (1 + L) on the luminance.
     Reinhard,
+    /// L · (1 + L / W²) / (1 + L) on the luminance: `white_point` W becomes white.
+    ReinhardExtended,
+    /// The filmic curve of the ACES reference, as fitted by K. Narkowicz.
+    Aces,
+    /// The filmic curve of J. Hable; `white_point` becomes white.
+    Hable,
+}
+
+impl ToneMap {
+    /// Every tone map.
+    pub const ALL: [ToneMap; 5] = [
+        ToneMap::Clamp,
+        ToneMap::Reinhard,
+        ToneMap::ReinhardExtended,
+        ToneMap::Aces,
+        ToneMap::Hable,
+    ];
+
+    /// The name used in scenes and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            ToneMap::Clamp => "clamp",
+            ToneMap::Reinhard => "reinhard",
+            ToneMap::ReinhardExtended => "reinhard-extended",
+            ToneMap::Aces => "aces",
+            ToneMap::Hable => "hable",
+        }
+    }
+
+    /// The light that becomes white unless a scene says otherwise; `None` where nothing can be said.
+    pub fn default_white_point(self) -> Option<f64> {
+        match self {
+            ToneMap::ReinhardExtended => Some(4.0),
+            // As in the game that it was made for.
+            ToneMap::Hable => Some(11.2),
+            ToneMap::Clamp | ToneMap::Reinhard | ToneMap::Aces => None,
+        }
+    }
+}
+
+impl std::str::FromStr for ToneMap {
+    type Err = String;
+
+    fn from_str(name: &str) -> Result<ToneMap, String> {
+        ToneMap::ALL
+            .into_iter()
+            .find(|map| map.name() == name)
+            .ok_or_else(|| {
+                let names = ToneMap::ALL.map(ToneMap::name).join(", ");
+                format!("{name:?} is not a tone map; known are {names}")
+            })
+    }
+}
+
+impl Display {
+    /// The numbers of this, then of `preset`, then the defaults.
+    pub(crate) fn settled(self, preset: Display) -> Display {
+        let tone_map = self.tone_map.or(preset.tone_map).unwrap_or(ToneMap::Clamp);
+        let preset_white = (preset.tone_map == Some(tone_map)).then_some(preset.white_point);
+        Display {
+            exposure: self.exposure.or(preset.exposure).or(Some(1.0)),
+            tone_map: Some(tone_map),
+            white_point: self
+                .white_point
+                .or(preset_white.flatten())
+                .or(tone_map.default_white_point()),
+            gamma: self.gamma.or(preset.gamma),
+            fxaa: self.fxaa.or(preset.fxaa).or(Some(false)),
+        }
+    }
+
+    /// A settled display with every number checked.
+    pub(crate) fn plan(self, checker: &mut Checker) -> plan::Display {
+        let exposure = self.exposure.unwrap_or(1.0);
+        checker.number("display.exposure", exposure, Within::Closed(1e-6, 1e6));
+        let tone_map = self.tone_map.unwrap_or(ToneMap::Clamp);
+        let default_white = tone_map.default_white_point();
+        if let Some(white) = self.white_point {
+            if default_white.is_none() {
+                checker.add(
+                    "display.white_point",
+                    Number(white),
+                    &format!(
+                        "none with tone_map {:?}; reinhard-extended and hable have one",
+                        tone_map.name()
+                    ),
+                );
+            } else {
+                checker.number("display.white_point", white, Within::Closed(1e-3, 1e6));
+            }
+        }
+        if let Some(gamma) = self.gamma {
+            checker.number("display.gamma", gamma, Within::Closed(0.1, 10.0));
+        }
+        let white = self.white_point.or(default_white).unwrap_or(1.0) as f32;
+        plan::Display {
+            exposure: exposure as f32,
+            tone_map: match tone_map {
+                ToneMap::Clamp => plan::ToneMap::Clamp,
+                ToneMap::Reinhard => plan::ToneMap::Reinhard,
+                ToneMap::ReinhardExtended => plan::ToneMap::ReinhardExtended { white },
+                ToneMap::Aces => plan::ToneMap::Aces,
+                ToneMap::Hable => plan::ToneMap::Hable { white },
+            },
+            curve: match self.gamma {
+                None => plan::DisplayCurve::Srgb,
+                Some(gamma) => plan::DisplayCurve::Power {
+                    gamma: gamma as f32,
+                },
+            },
+            fxaa: self.fxaa.unwrap_or(false),
+        }
+    }
 }

@@ -46,39 +46,52 @@ impl Stats {
     }
 }
 
-/// Draws `plan`; `progress` is told the share that is drawn. A note says what was not done as asked.
+/// A picture, and what was not done as asked.
+pub(crate) struct Drawn {
+    pub image: Image,
+    pub depth_mm: Option<Vec<f32>>,
+    pub stats: Stats,
+    pub note: Option<String>,
+}
+
+/// Draws `plan`; `progress` is told the share that is drawn.
 pub(crate) fn draw(
     backend: &Backend,
     data: &Datasets,
     plan: &Plan,
     options: &strahl_cpu::Options,
     progress: &(dyn Fn(f64) + Sync),
-) -> Result<(Image, Stats, Option<String>), Error> {
-    let on_cpu = || {
+) -> Result<Drawn, Error> {
+    let on_cpu = || -> Result<Drawn, Error> {
         let drawn =
             strahl_cpu::Renderer::new(data.clone()).render(plan, options, &|drawn, total| {
                 progress(drawn as f64 / total as f64);
                 ControlFlow::Continue(())
             })?;
-        Ok((drawn.image, Stats::Cpu(drawn.stats)))
+        Ok(Drawn {
+            image: drawn.image,
+            depth_mm: drawn.depth_mm,
+            stats: Stats::Cpu(drawn.stats),
+            note: None,
+        })
     };
     match backend {
-        Backend::Cpu => on_cpu().map(|(image, stats)| (image, stats, None)),
-        Backend::Gpu { adapter } => {
-            let (image, stats) = on_gpu(adapter.as_deref(), data, plan, progress)?;
-            Ok((image, stats, None))
-        }
+        Backend::Cpu => on_cpu(),
+        Backend::Gpu { adapter } => Ok(on_gpu(adapter.as_deref(), data, plan, progress)?),
         Backend::Auto => {
             let hardware = adapters().into_iter().find(|a| !a.is_software);
             let why = match hardware {
                 None => "there is no graphics processor".to_owned(),
                 Some(adapter) => match on_gpu(Some(&adapter.name), data, plan, progress) {
-                    Ok((image, stats)) => return Ok((image, stats, None)),
+                    Ok(drawn) => return Ok(drawn),
                     Err(error) => error.to_string(),
                 },
             };
-            let (image, stats) = on_cpu()?;
-            Ok((image, stats, Some(format!("drawn on the processor: {why}"))))
+            let drawn = on_cpu()?;
+            Ok(Drawn {
+                note: Some(format!("drawn on the processor: {why}")),
+                ..drawn
+            })
         }
     }
 }
@@ -89,7 +102,7 @@ fn on_gpu(
     data: &Datasets,
     plan: &Plan,
     progress: &(dyn Fn(f64) + Sync),
-) -> Result<(Image, Stats), strahl_gpu::Error> {
+) -> Result<Drawn, strahl_gpu::Error> {
     match on_device(adapter, data, plan, progress) {
         Err(strahl_gpu::Error::Lost(_)) => on_device(adapter, data, plan, progress),
         done => done,
@@ -101,7 +114,7 @@ fn on_device(
     data: &Datasets,
     plan: &Plan,
     progress: &(dyn Fn(f64) + Sync),
-) -> Result<(Image, Stats), strahl_gpu::Error> {
+) -> Result<Drawn, strahl_gpu::Error> {
     let device = Device::open(adapter)?;
     let drawn =
         strahl_gpu::Renderer::new(&device, data.clone())?.render(plan, |drawn, total| {
@@ -109,11 +122,13 @@ fn on_device(
             ControlFlow::Continue(())
         })?;
     let adapter = device.adapter().to_string();
-    Ok((
-        drawn.image,
-        Stats::Gpu {
+    Ok(Drawn {
+        image: drawn.image,
+        depth_mm: drawn.depth_mm,
+        stats: Stats::Gpu {
             adapter,
             stats: drawn.stats,
         },
-    ))
+        note: None,
+    })
 }

@@ -1,12 +1,13 @@
 //! Pictures as files: PNG to look at, EXR to work on, both with the scene that made them inside.
 //!
 //! A renderer's [`Image`] is linear and premultiplied. PNG gets display numbers: colour divided by
-//! alpha, times the exposure, tone mapped, sRGB-encoded, rounded without dithering, with an `sRGB`
-//! chunk that says so. EXR gets the light as it is: linear, premultiplied, without exposure and tone
-//! map.
+//! alpha, times the exposure, tone mapped, encoded in sRGB or by a power, edges smoothed if wanted,
+//! rounded without dithering, with an `sRGB` or `gAMA` chunk that says so. EXR gets the light as it is:
+//! linear, premultiplied, without exposure and tone map; and the depth, if there is one.
 
 mod display;
 mod exr;
+mod fxaa;
 mod png;
 
 use crate::Error;
@@ -110,20 +111,38 @@ impl Recipe {
 
 /// Writes `image` to `out`, which should be buffered. `display` matters for PNG only.
 ///
+/// `depth_mm` is the distance of what is seen in each pixel from the start of its ray, row by row from the top,
+/// infinite where there is nothing; EXR holds it as channel `Z` in 32 bit.
+///
 /// # Errors
-/// If `out` cannot be written.
+/// If `out` cannot be written; a depth for PNG, or of another number of pixels.
 pub fn write_picture(
     image: &Image,
+    depth_mm: Option<&[f32]>,
     display: &Display,
     encoding: Encoding,
     recipe: Option<&Recipe>,
     out: impl Write + Seek,
 ) -> Result<(), Error> {
+    if let Some(depth_mm) = depth_mm {
+        if matches!(encoding, Encoding::Png8 | Encoding::Png16) {
+            return Err(Error::Picture(
+                "PNG holds no depth; a picture with depth has to end in .exr".into(),
+            ));
+        }
+        if depth_mm.len() != image.pixels().len() {
+            return Err(Error::Picture(format!(
+                "the depth has {} numbers; it has to have one for each of {} pixels",
+                depth_mm.len(),
+                image.pixels().len()
+            )));
+        }
+    }
     match encoding {
         Encoding::Png8 => png::write(image, display, ::png::BitDepth::Eight, recipe, out),
         Encoding::Png16 => png::write(image, display, ::png::BitDepth::Sixteen, recipe, out),
-        Encoding::ExrHalf => exr::write(image, true, recipe, out),
-        Encoding::ExrFloat => exr::write(image, false, recipe, out),
+        Encoding::ExrHalf => exr::write(image, depth_mm, true, recipe, out),
+        Encoding::ExrFloat => exr::write(image, depth_mm, false, recipe, out),
     }
 }
 
@@ -132,12 +151,9 @@ mod tests {
     use super::*;
     use ::exr::prelude::{ReadChannels, ReadLayers};
     use std::io::Cursor;
-    use strahl_scene::plan::ToneMap;
+    use strahl_scene::plan::DisplayCurve;
 
-    const PLAIN: Display = Display {
-        exposure: 1.0,
-        tone_map: ToneMap::Clamp,
-    };
+    const PLAIN: Display = Display::PLAIN;
     const ALL: [Encoding; 4] = [
         Encoding::Png8,
         Encoding::Png16,
@@ -147,7 +163,7 @@ mod tests {
 
     fn written(image: &Image, encoding: Encoding, recipe: Option<&Recipe>) -> Vec<u8> {
         let mut out = Cursor::new(Vec::new());
-        write_picture(image, &PLAIN, encoding, recipe, &mut out).unwrap();
+        write_picture(image, None, &PLAIN, encoding, recipe, &mut out).unwrap();
         out.into_inner()
     }
 
@@ -236,6 +252,83 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn exr_holds_depth_beside_the_light() {
+        let depth_mm = [1.5, 700.25, f32::INFINITY, 1e-3];
+        for encoding in [Encoding::ExrFloat, Encoding::ExrHalf] {
+            let mut out = Cursor::new(Vec::new());
+            write_picture(&sample(), Some(&depth_mm), &PLAIN, encoding, None, &mut out).unwrap();
+            let read = ::exr::prelude::read()
+                .no_deep_data()
+                .largest_resolution_level()
+                .all_channels()
+                .first_valid_layer()
+                .all_attributes()
+                .from_buffered(Cursor::new(out.into_inner()))
+                .unwrap();
+            let channels = &read.layer_data.channel_data.list;
+            let names: Vec<_> = channels.iter().map(|c| c.name.to_string()).collect();
+            assert_eq!(names, ["A", "B", "G", "R", "Z"]);
+            let found: Vec<f32> = channels[4].sample_data.values_as_f32().collect();
+            assert_eq!(found, depth_mm);
+            let red: Vec<f32> = channels[3].sample_data.values_as_f32().collect();
+            assert_eq!(red, [0.5, 1.0, 0.0, 0.0]);
+        }
+        let error = |depth: &[f32], encoding| {
+            let out = Cursor::new(Vec::new());
+            let written = write_picture(&sample(), Some(depth), &PLAIN, encoding, None, out);
+            written.unwrap_err().to_string()
+        };
+        assert!(error(&depth_mm, Encoding::Png8).contains("has to end in .exr"));
+        let found = error(&depth_mm[1..], Encoding::ExrFloat);
+        assert!(
+            found.contains("3 numbers") && found.contains("4 pixels"),
+            "{found}"
+        );
+    }
+
+    fn written_for(image: &Image, display: Display) -> Vec<u8> {
+        let mut out = Cursor::new(Vec::new());
+        write_picture(image, None, &display, Encoding::Png8, None, &mut out).unwrap();
+        out.into_inner()
+    }
+
+    #[test]
+    fn a_power_curve_is_told_in_the_file() {
+        let display = Display {
+            curve: DisplayCurve::Power { gamma: 2.0 },
+            ..PLAIN
+        };
+        let file = written_for(&sample(), display);
+        let mut reader = ::png::Decoder::new(Cursor::new(file)).read_info().unwrap();
+        assert!(reader.info().srgb.is_none());
+        let gamma = reader.info().gama_chunk.unwrap();
+        assert_eq!(gamma.into_value(), 0.5);
+        let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+        reader.next_frame(&mut pixels).unwrap();
+        // The root of one half.
+        assert_eq!(pixels[0], 180);
+    }
+
+    #[test]
+    fn fxaa_smooths_edges_and_nothing_else() {
+        let fxaa = Display {
+            fxaa: true,
+            ..PLAIN
+        };
+        let flat = Image::from_pixels(40, 30, vec![[0.1, 0.3, 0.2, 0.7]; 1200]);
+        assert_eq!(written_for(&flat, fxaa), written_for(&flat, PLAIN));
+        let half = |i: usize| if i % 40 > i / 40 { 1.0 } else { 0.0 };
+        let pixels = (0..1200).map(|i| [half(i), half(i), half(i), 1.0]);
+        let edge = Image::from_pixels(40, 30, pixels.collect());
+        let levels = |display| {
+            let (_, pixels) = decoded(&written_for(&edge, display));
+            pixels.iter().filter(|p| (1..255).contains(*p)).count()
+        };
+        assert_eq!(levels(PLAIN), 0);
+        assert!(levels(fxaa) > 3 * 25, "{}", levels(fxaa));
     }
 
     #[test]

@@ -48,6 +48,7 @@ pub struct Render<'a> {
     scene: Scene,
     scene_path: Option<PathBuf>,
     options: Options,
+    with_depth: bool,
     backend: Backend,
     progress: &'a (dyn Fn(Stage, f64) + Sync),
 }
@@ -76,6 +77,9 @@ pub enum Stage {
 pub struct Picture {
     /// Linear, premultiplied pixels, background included.
     pub image: Image,
+    /// Distance of the first hit or of a mesh from the start of each ray in mm, row by row from the top, infinite
+    /// without; only if [`Render::with_depth`] asks for it.
+    pub depth_mm: Option<Vec<f32>>,
     /// Exposure and tone map for a file with display colours.
     pub display: plan::Display,
     /// The scene with every default filled in: drawing it again gives this picture.
@@ -134,6 +138,7 @@ impl<'a> Render<'a> {
             scene,
             scene_path: None,
             options: Options::default(),
+            with_depth: false,
             backend: Backend::default(),
             progress: &|_, _| (),
         }
@@ -208,6 +213,13 @@ impl<'a> Render<'a> {
         self
     }
 
+    /// Also finds how far away what is seen is: EXR files get a channel `Z`. Method `first-hit` and
+    /// meshes have a depth.
+    pub fn with_depth(mut self) -> Render<'a> {
+        self.with_depth = true;
+        self
+    }
+
     /// Draws with this renderer instead of the processor's.
     pub fn backend(mut self, backend: Backend) -> Render<'a> {
         self.backend = backend;
@@ -230,22 +242,24 @@ impl<'a> Render<'a> {
         let data = SceneData::load(&self.scene, volume, notes)?;
         let read_seconds = start.elapsed().as_secs_f64();
         let (headers, scene) = (data.headers(), self.known_scene());
-        let plan = self.checked(resolve_with(&scene, &headers))?;
+        let mut plan = self.checked(resolve_with(&scene, &headers))?;
+        plan.with_depth = self.with_depth;
         let progress = |part| (self.progress)(Stage::Drawing, part);
-        let (image, stats, note) = draw(
+        let drawn = draw(
             &self.backend,
             &data.datasets(),
             &plan,
             &self.options,
             &progress,
         )?;
-        let notes = data.notes.into_iter().chain(note).collect();
+        let notes = data.notes.into_iter().chain(drawn.note).collect();
         Ok(Picture {
-            image,
+            image: drawn.image,
+            depth_mm: drawn.depth_mm,
             display: plan.display,
             scene: settled_with(&scene, &headers),
             notes,
-            stats,
+            stats: drawn.stats,
             read_seconds,
         })
     }
@@ -375,6 +389,7 @@ impl Picture {
         let recipe = Recipe::new(scene.to_json());
         write_picture(
             &self.image,
+            self.depth_mm.as_deref(),
             &self.display,
             encoding,
             Some(&recipe),

@@ -41,7 +41,7 @@ fn all_problems_come_at_once() {
           "step_mm": -0.5,
           "early_termination": 2,
           "background": [0, 0, 1.5],
-          "display": { "exposure": 0 }
+          "display": { "exposure": 0, "white_point": 2, "gamma": 0, "fxaa": true }
         }"##,
     );
     let problems = report(&everything_wrong);

@@ -277,7 +277,10 @@ fn scene(n: Number) -> BoxedStrategy<Scene> {
         of(prop_oneof![(1u32..2000, 1u32..2000), any::<(u32, u32)>()]),
         of((
             of(n.clone()),
-            of(select(vec![ToneMap::Clamp, ToneMap::Reinhard])),
+            of(select(ToneMap::ALL.to_vec())),
+            of(n.clone()),
+            of(n.clone()),
+            of(any::<bool>()),
         )),
     );
     (
@@ -361,7 +364,15 @@ fn scene(n: Number) -> BoxedStrategy<Scene> {
                     early_termination,
                     background,
                     size: size.map(|(w, h)| [w, h]),
-                    display: display.map(|(exposure, tone_map)| Display { exposure, tone_map }),
+                    display: display.map(|(exposure, tone_map, white_point, gamma, fxaa)| {
+                        Display {
+                            exposure,
+                            tone_map,
+                            white_point,
+                            gamma,
+                            fxaa,
+                        }
+                    }),
                 }
             },
         )
@@ -415,6 +426,14 @@ fn check_plan(plan: &Plan) {
             .all(|part| (0.0..=1.0).contains(part))
     );
     assert!(plan.display.exposure > 0.0);
+    if let plan::ToneMap::ReinhardExtended { white } | plan::ToneMap::Hable { white } =
+        plan.display.tone_map
+    {
+        assert!((1e-3..=1e6).contains(&white));
+    }
+    if let plan::DisplayCurve::Power { gamma } = plan.display.curve {
+        assert!((0.1..=10.0).contains(&gamma));
+    }
 }
 
 proptest! {

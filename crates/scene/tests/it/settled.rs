@@ -1,7 +1,7 @@
 use crate::{ct_head, engine, header_at};
 use glam::DVec3;
 use strahl_scene::plan::{ClipPlane, Composite, Illuminate, Jitter, Plan, PlanLight, Shade};
-use strahl_scene::{Scene, presets, resolve, settled};
+use strahl_scene::{Scene, plan, presets, resolve, settled};
 use strahl_volume::{Modality, VolumeHeader};
 
 fn plan(text: &str, header: &VolumeHeader) -> Plan {
@@ -31,6 +31,7 @@ fn a_settled_scene_draws_the_same() {
         r#"{ "transfer_function": { "opacity": [0, 0.2] } }"#,
         r#"{ "camera": { "projection": "orthographic" }, "size": [200, 300] }"#,
         r#"{ "camera": { "position": [500, 500, 0] } }"#,
+        r#"{ "display": { "tone_map": "hable", "gamma": 1.8 } }"#,
         r#"{ "camera": { "azimuth_deg": 30 }, "clips": [{ "plane": { "normal": [1, 0, 0] } }] }"#,
         r#"{ "shading": { "ambient": 0.5 }, "lights": [{ "type": "directional", "azimuth_deg": 20 }] }"#,
     ];
@@ -125,6 +126,25 @@ fn a_scene_goes_before_its_preset() {
     let plain = plan(r#"{ "preset": "ct-bone" }"#, &header);
     assert_eq!(diffuse, parts(&plain).1);
     assert_eq!(with.objects[0].table, plain.objects[0].table);
+}
+
+#[test]
+fn tone_maps_get_their_white_points() {
+    let header = ct_head();
+    let display = |text: &str| plan(&format!(r#"{{ "display": {text} }}"#), &header).display;
+    assert_eq!(display("{}"), plan::Display::PLAIN);
+    let found = display(r#"{ "tone_map": "reinhard-extended", "gamma": 2.2, "fxaa": true }"#);
+    let expected = plan::Display {
+        exposure: 1.0,
+        tone_map: plan::ToneMap::ReinhardExtended { white: 4.0 },
+        curve: plan::DisplayCurve::Power { gamma: 2.2 },
+        fxaa: true,
+    };
+    assert_eq!(found, expected);
+    let hable = |white: f32| plan::ToneMap::Hable { white };
+    assert_eq!(display(r#"{ "tone_map": "hable" }"#).tone_map, hable(11.2));
+    let found = display(r#"{ "tone_map": "hable", "white_point": 5 }"#);
+    assert_eq!(found.tone_map, hable(5.0));
 }
 
 #[test]

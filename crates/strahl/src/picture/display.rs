@@ -1,11 +1,11 @@
-//! Linear light → the numbers of a picture file: exposure, tone map, sRGB.
+//! Linear light → the numbers of a picture file: exposure, tone map, sRGB or a power.
 
-use strahl_scene::plan::{Display, ToneMap};
+use strahl_scene::plan::{Display, DisplayCurve, ToneMap};
 
 /// Relative luminance of linear sRGB, ITU-R BT.709.
 const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
 
-/// A pixel as PNG wants it: sRGB-encoded colour that is not multiplied by alpha, and alpha, all in
+/// A pixel as PNG wants it: encoded colour that is not multiplied by alpha, and alpha, all in
 /// 0..=1.
 ///
 /// The steps are, in this order: divide by alpha, multiply by the exposure, tone map, encode. The
@@ -24,18 +24,58 @@ pub(super) fn display_pixel([r, g, b, a]: [f32; 4], display: &Display) -> [f32; 
         let c = c / alpha * display.exposure;
         if c.is_finite() { c.max(0.0) } else { 0.0 }
     });
-    let [r, g, b] = tone_map(light, display.tone_map).map(srgb_from_linear);
+    let [r, g, b] = tone_map(light, display.tone_map).map(|light| match display.curve {
+        DisplayCurve::Srgb => srgb_from_linear(light),
+        DisplayCurve::Power { gamma } => light.clamp(0.0, 1.0).powf(1.0 / gamma),
+    });
     [r, g, b, alpha]
 }
 
+/// Light beyond this is as bright as this, so that no square overflows.
+const BRIGHTEST: f32 = 1e6;
+
 fn tone_map(light: [f32; 3], tone_map: ToneMap) -> [f32; 3] {
+    let luminance = || -> f32 {
+        let luminance: f32 = (0..3).map(|c| light[c] * LUMINANCE[c]).sum();
+        luminance.min(BRIGHTEST)
+    };
     match tone_map {
         ToneMap::Clamp => light,
+        // E. Reinhard et al., Photographic tone reproduction for digital images, 2002, equations 3 and 4.
         ToneMap::Reinhard => {
-            let luminance: f32 = (0..3).map(|c| light[c] * LUMINANCE[c]).sum();
-            light.map(|c| c / (1.0 + luminance))
+            let factor = 1.0 / (1.0 + luminance());
+            light.map(|c| c * factor)
+        }
+        ToneMap::ReinhardExtended { white } => {
+            let luminance = luminance();
+            let factor = (1.0 + luminance / (white * white)) / (1.0 + luminance);
+            light.map(|c| c * factor)
+        }
+        // K. Narkowicz, ACES filmic tone mapping curve, 2016.
+        ToneMap::Aces => light.map(|c| {
+            let c = c.min(BRIGHTEST);
+            c * (2.51 * c + 0.03) / (c * (2.43 * c + 0.59) + 0.14)
+        }),
+        ToneMap::Hable { white } => {
+            let scale = 1.0 / hable(white);
+            light.map(|c| hable(c.min(BRIGHTEST)) * scale)
         }
     }
+}
+
+/// J. Hable, Uncharted 2: HDR lighting, Game Developers Conference 2010; without his factor of 2 on the
+/// light, which is an exposure.
+fn hable(x: f32) -> f32 {
+    const SHOULDER_STRENGTH: f32 = 0.15;
+    const LINEAR_STRENGTH: f32 = 0.5;
+    const LINEAR_ANGLE: f32 = 0.1;
+    const TOE_STRENGTH: f32 = 0.2;
+    const TOE_NUMERATOR: f32 = 0.02;
+    const TOE_DENOMINATOR: f32 = 0.3;
+    let top =
+        x * (SHOULDER_STRENGTH * x + LINEAR_ANGLE * LINEAR_STRENGTH) + TOE_STRENGTH * TOE_NUMERATOR;
+    let bottom = x * (SHOULDER_STRENGTH * x + LINEAR_STRENGTH) + TOE_STRENGTH * TOE_DENOMINATOR;
+    top / bottom - TOE_NUMERATOR / TOE_DENOMINATOR
 }
 
 /// The transfer function of IEC 61966-2-1; what is outside 0..=1 is clamped.
@@ -52,10 +92,7 @@ pub(super) fn srgb_from_linear(linear: f32) -> f32 {
 mod tests {
     use super::*;
 
-    const PLAIN: Display = Display {
-        exposure: 1.0,
-        tone_map: ToneMap::Clamp,
-    };
+    const PLAIN: Display = Display::PLAIN;
 
     #[test]
     fn known_values_of_srgb() {
@@ -94,12 +131,78 @@ mod tests {
         let display = Display {
             exposure: 2.0,
             tone_map: ToneMap::Reinhard,
+            ..PLAIN
         };
         // Grey 0.5 · 2 = 1, and 1 / (1 + 1) = 0.5.
         let pixel = display_pixel([0.5, 0.5, 0.5, 1.0], &display);
         assert!((pixel[0] - 0.735_36).abs() < 2e-5, "{pixel:?}");
         let bright = display_pixel([500.0, 500.0, 500.0, 1.0], &display);
         assert!(bright[0] < 1.0 && bright[0] > 0.99);
+    }
+
+    fn grey(light: f32, map: ToneMap) -> f32 {
+        tone_map([light; 3], map)[0]
+    }
+
+    const MAPS: [ToneMap; 5] = [
+        ToneMap::Clamp,
+        ToneMap::Reinhard,
+        ToneMap::ReinhardExtended { white: 4.0 },
+        ToneMap::Aces,
+        ToneMap::Hable { white: 11.2 },
+    ];
+
+    #[test]
+    fn tone_maps_rise_from_black_and_stay_finite() {
+        for map in MAPS {
+            assert!(grey(0.0, map).abs() < 1e-6, "{map:?}");
+            let lights = (1..400).map(|i| 1.05f32.powi(i - 200));
+            let greys: Vec<f32> = lights.map(|light| grey(light, map)).collect();
+            assert!(greys.is_sorted(), "{map:?}");
+            let brightest = tone_map([f32::MAX, 1.0, 0.0], map);
+            assert!(
+                brightest.iter().all(|c| c.is_finite() && *c >= 0.0),
+                "{map:?}"
+            );
+        }
+    }
+
+    /// Numbers worked out by hand from the published formulas.
+    #[test]
+    fn tone_maps_meet_their_formulas() {
+        let near = |found: f32, expected: f32| {
+            assert!((found - expected).abs() < 1e-5, "{found}, not {expected}");
+        };
+        near(grey(3.0, ToneMap::Reinhard), 0.75);
+        // The white point becomes white, and 1 becomes (1 + 1/16)/2.
+        near(grey(4.0, ToneMap::ReinhardExtended { white: 4.0 }), 1.0);
+        near(
+            grey(1.0, ToneMap::ReinhardExtended { white: 4.0 }),
+            0.531_25,
+        );
+        near(grey(1.0, ToneMap::Aces), 2.54 / 3.16);
+        near(grey(0.18, ToneMap::Aces), 0.086_724 / 0.324_932);
+        near(grey(11.2, ToneMap::Hable { white: 11.2 }), 1.0);
+        // f(1) = 0.204/0.71 − 1/15, f(11.2) = 19.380/24.476 − 1/15.
+        near(grey(1.0, ToneMap::Hable { white: 11.2 }), 0.304_300);
+        // Reinhard's keep the ratios of the channels; what is not grey is no exception.
+        let [r, g, b] = tone_map([2.0, 1.0, 0.5], ToneMap::ReinhardExtended { white: 3.0 });
+        near(r / g, 2.0);
+        near(g / b, 2.0);
+    }
+
+    #[test]
+    fn a_power_stands_for_the_curve_of_srgb() {
+        let gamma = |gamma: f32| Display {
+            curve: DisplayCurve::Power { gamma },
+            ..PLAIN
+        };
+        let pixel = [0.25, 1.0, 4.0, 1.0];
+        assert_eq!(display_pixel(pixel, &gamma(1.0)), [0.25, 1.0, 1.0, 1.0]);
+        assert_eq!(display_pixel(pixel, &gamma(2.0)), [0.5, 1.0, 1.0, 1.0]);
+        // 2.2 is near sRGB, and never the same in the dark.
+        let near = display_pixel([0.2; 4], &gamma(2.2))[0] - display_pixel([0.2; 4], &PLAIN)[0];
+        assert!(near.abs() < 0.01, "{near}");
     }
 
     #[test]

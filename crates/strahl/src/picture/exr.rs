@@ -3,8 +3,8 @@
 use super::Recipe;
 use crate::Error;
 use exr::prelude::{
-    AttributeValue, Encoding, Image as ExrImage, Layer, LayerAttributes, MetaData,
-    SpecificChannels, Text, Vec2, WritableImage, f16,
+    AnyChannel, AnyChannels, AttributeValue, Encoding, FlatSamples, Image as ExrImage, Layer,
+    LayerAttributes, MetaData, SmallVec, Text, WritableImage, f16,
 };
 use std::fmt::Write as _;
 use std::io::{Read, Seek, Write};
@@ -18,31 +18,42 @@ pub(super) fn is_exr(start: &[u8]) -> bool {
     start.starts_with(&MAGIC)
 }
 
-/// Channels R, G, B, A in 32 or (`half`) 16 bit, compressed without loss. Half stops at 65,504.
+/// Channels R, G, B, A in 32 or (`half`) 16 bit, compressed without loss; half stops at 65,504. With
+/// `depth_mm`, a channel Z in 32 bit, as the format's conventions call it.
 pub(super) fn write(
     image: &Image,
+    depth_mm: Option<&[f32]>,
     half: bool,
     recipe: Option<&Recipe>,
     out: impl Write + Seek,
 ) -> Result<(), Error> {
-    let width = image.width() as usize;
-    let size = (width, image.height() as usize);
-    let full = |at: Vec2<usize>| <(f32, f32, f32, f32)>::from(image.pixels()[at.1 * width + at.0]);
-    let short = |at: Vec2<usize>| {
-        let limit = f16::MAX.to_f32();
-        let (r, g, b, a) = full(at);
-        let [r, g, b, a] = [r, g, b, a].map(|c| f16::from_f32(c.clamp(-limit, limit)));
-        (r, g, b, a)
+    let size = (image.width() as usize, image.height() as usize);
+    let limit = f16::MAX.to_f32();
+    let colour = |c: usize| {
+        let numbers = image.pixels().iter().map(move |pixel| pixel[c]);
+        if half {
+            FlatSamples::F16(
+                numbers
+                    .map(|n| f16::from_f32(n.clamp(-limit, limit)))
+                    .collect(),
+            )
+        } else {
+            FlatSamples::F32(numbers.collect())
+        }
     };
-    let (attributes, encoding) = (attributes(recipe), Encoding::SMALL_LOSSLESS);
-    if half {
-        let layer = Layer::new(size, attributes, encoding, SpecificChannels::rgba(short));
-        ExrImage::from_layer(layer).write().to_buffered(out)
-    } else {
-        let layer = Layer::new(size, attributes, encoding, SpecificChannels::rgba(full));
-        ExrImage::from_layer(layer).write().to_buffered(out)
+    let names = ["R", "G", "B", "A"].into_iter().enumerate();
+    let mut channels: SmallVec<[AnyChannel<FlatSamples>; 4]> = names
+        .map(|(c, name)| AnyChannel::new(name, colour(c)))
+        .collect();
+    if let Some(depth_mm) = depth_mm {
+        channels.push(AnyChannel::new("Z", FlatSamples::F32(depth_mm.to_vec())));
     }
-    .map_err(|e| Error::Picture(format!("the EXR file cannot be written: {e}")))
+    let channels = AnyChannels::sort(channels);
+    let layer = Layer::new(size, attributes(recipe), Encoding::SMALL_LOSSLESS, channels);
+    ExrImage::from_layer(layer)
+        .write()
+        .to_buffered(out)
+        .map_err(|e| Error::Picture(format!("the EXR file cannot be written: {e}")))
 }
 
 fn attributes(recipe: Option<&Recipe>) -> LayerAttributes {

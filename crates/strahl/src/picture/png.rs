@@ -1,11 +1,12 @@
-//! PNG: sRGB, 8 or 16 bit, alpha not multiplied in.
+//! PNG: sRGB or a power curve, 8 or 16 bit, alpha not multiplied in.
 
-use super::Recipe;
 use super::display::display_pixel;
+use super::{Recipe, fxaa};
 use crate::Error;
-use png::{BitDepth, ColorType, Compression, Decoder, Encoder, EncodingError};
+use png::{BitDepth, ColorType, Compression, Decoder, Encoder, EncodingError, ScaledFloat};
 use std::io::{BufRead, Seek, Write};
-use strahl_scene::{Image, plan::Display};
+use strahl_scene::Image;
+use strahl_scene::plan::{Display, DisplayCurve};
 
 /// Keyword of the iTXt chunk that holds the scene.
 const SCENE: &str = "strahl:scene";
@@ -45,7 +46,12 @@ pub(super) fn write(
     });
     encoder.set_depth(depth);
     encoder.set_compression(Compression::Balanced);
-    encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+    match display.curve {
+        DisplayCurve::Srgb => encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual),
+        DisplayCurve::Power { gamma } => {
+            encoder.set_source_gamma(ScaledFloat::new(1.0 / gamma));
+        }
+    }
     if let Some(recipe) = recipe {
         for (keyword, text) in [(SOFTWARE, &recipe.software), (SCENE, &recipe.scene)] {
             encoder
@@ -55,11 +61,21 @@ pub(super) fn write(
     }
     let mut writer = encoder.write_header().map_err(cannot_write)?;
     let mut rows = writer.stream_writer().map_err(cannot_write)?;
+    let width = image.width().max(1) as usize;
+    let encoded = image.pixels().iter().map(|&p| display_pixel(p, display));
+    // Row by row, unless an edge may reach over many of them.
+    let smoothed = display
+        .fxaa
+        .then(|| fxaa::smoothed(&encoded.clone().collect::<Vec<_>>(), width));
+    let mut encoded: Box<dyn Iterator<Item = [f32; 4]>> = match smoothed {
+        Some(smoothed) => Box::new(smoothed.into_iter()),
+        None => Box::new(encoded),
+    };
     let mut row = Vec::new();
-    for pixels in image.pixels().chunks(image.width().max(1) as usize) {
+    for _ in 0..image.height() {
         row.clear();
-        for &pixel in pixels {
-            for value in &display_pixel(pixel, display)[..channels] {
+        for pixel in encoded.by_ref().take(width) {
+            for value in &pixel[..channels] {
                 match depth {
                     BitDepth::Sixteen => row.extend(quantise(*value).to_be_bytes()),
                     _ => row.push(quantise(*value) as u8),

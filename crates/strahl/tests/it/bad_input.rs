@@ -266,6 +266,16 @@ fn cameras_clips_and_colours() {
     flags_fail(&["--clip-box", "0,0,0,1,1"], &["--clip-box is 0,0,0,1,1"]);
     flags_fail(&["--background", "blue"], &["--background", "\"blue\""]);
     flags_fail(&["--exposure", "0"], &["display.exposure", "0"]);
+    flags_fail(&["--depth"], &["PNG holds no depth", ".exr"]);
+    flags_fail(&["--gamma", "-2"], &["display.gamma", "0.1 to 10"]);
+    flags_fail(
+        &["--white-point", "3"],
+        &["display.white_point is 3", "reinhard-extended"],
+    );
+    flags_fail(
+        &["--tone-map", "hable", "--white-point", "0"],
+        &["display.white_point is 0", "0.001"],
+    );
     flags_fail(
         &["--method", "average", "--shade", "blinn-phong"],
         &["shading.model", "unlit"],

@@ -49,7 +49,12 @@ fn every_flag_reaches_its_key() {
             "--exposure",
             "1.5",
             "--tone-map",
-            "reinhard",
+            "reinhard-extended",
+            "--white-point",
+            "3",
+            "--gamma",
+            "1.8",
+            "--fxaa",
             "--view",
             "left",
             "--azimuth",
@@ -88,7 +93,10 @@ fn every_flag_reaches_its_key() {
     assert_eq!(scene["background"], "#102030");
     assert_eq!(
         scene["display"],
-        json!({"exposure": 1.5, "tone_map": "reinhard"})
+        json!({
+            "exposure": 1.5, "tone_map": "reinhard-extended", "white_point": 3.0, "gamma": 1.8,
+            "fxaa": true
+        })
     );
     let camera = &scene["camera"];
     assert_eq!(
@@ -232,5 +240,33 @@ fn paths_count_from_the_folder_of_the_scene() {
     assert_eq!(
         shown(&out, &["a.json"])["volume"]["path"],
         "../../shells.nrrd"
+    );
+}
+
+/// What a scene says of the display gives way: a white point belongs to its tone map.
+#[test]
+fn display_flags_go_before_a_scene() {
+    let folder = folder_with_shells();
+    let scene = r#"{
+        "volume": { "path": "shells.nrrd" },
+        "display": { "tone_map": "hable", "white_point": 6, "fxaa": true }
+    }"#;
+    std::fs::write(folder.path().join("scene.json"), scene).unwrap();
+    let display =
+        |flags: &[&str]| shown(folder.path(), &[&["scene.json"], flags].concat())["display"].take();
+    let found = display(&["--tone-map", "reinhard-extended", "--fxaa=off"]);
+    assert_eq!(
+        found,
+        json!({"exposure": 1.0, "tone_map": "reinhard-extended", "white_point": 4.0, "fxaa": false})
+    );
+    let found = display(&["--tone-map", "hable"]);
+    assert_eq!(
+        found,
+        json!({"exposure": 1.0, "tone_map": "hable", "white_point": 6.0, "fxaa": true})
+    );
+    let found = display(&["--tone-map", "aces"]);
+    assert_eq!(
+        found,
+        json!({"exposure": 1.0, "tone_map": "aces", "fxaa": true})
     );
 }

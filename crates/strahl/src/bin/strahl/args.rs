@@ -190,12 +190,22 @@ fn look_over(flags: &DrawFlags, scene: &mut Scene) -> Result<()> {
     if let Some(exposure) = flags.exposure {
         scene.display.get_or_insert_default().exposure = Some(exposure);
     }
-    match flags.tone_map.as_deref() {
-        Some("reinhard") => {
-            scene.display.get_or_insert_default().tone_map = Some(ToneMap::Reinhard);
+    if let Some(tone_map) = parsed::<ToneMap>("--tone-map", &flags.tone_map)? {
+        let display = scene.display.get_or_insert_default();
+        if display.tone_map != Some(tone_map) {
+            // The scene's white point was said for another curve.
+            display.white_point = None;
         }
-        Some(_) => scene.display.get_or_insert_default().tone_map = Some(ToneMap::Clamp),
-        None => {}
+        display.tone_map = Some(tone_map);
+    }
+    if let Some(white_point) = flags.white_point {
+        scene.display.get_or_insert_default().white_point = Some(white_point);
+    }
+    if let Some(gamma) = flags.gamma {
+        scene.display.get_or_insert_default().gamma = Some(gamma);
+    }
+    if let Some(fxaa) = flags.fxaa.as_deref() {
+        scene.display.get_or_insert_default().fxaa = Some(fxaa == "on");
     }
     Ok(())
 }

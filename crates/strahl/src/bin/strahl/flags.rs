@@ -3,7 +3,7 @@
 use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
-use strahl::scene::{DebugView, ShadingModel};
+use strahl::scene::{DebugView, ShadingModel, ToneMap};
 use strahl::volume::Phantom;
 use strahl::{ColorMap, Method, View, presets};
 
@@ -165,8 +165,22 @@ pub struct DrawFlags {
     pub exposure: Option<f64>,
 
     /// How light above white is brought down
-    #[arg(long, value_name = "MAP", value_parser = ["clamp", "reinhard"])]
+    #[arg(long, value_name = "MAP",
+          value_parser = PossibleValuesParser::new(ToneMap::ALL.map(ToneMap::name)))]
     pub tone_map: Option<String>,
+
+    /// The light that reinhard-extended and hable make white; without, 4 and 11.2
+    #[arg(long, value_name = "LIGHT", allow_negative_numbers = true)]
+    pub white_point: Option<f64>,
+
+    /// Encode PNG by the power 1/GAMMA instead of the curve of sRGB
+    #[arg(long, value_name = "GAMMA", allow_negative_numbers = true)]
+    pub gamma: Option<f64>,
+
+    /// Smooth jagged edges of the finished PNG; --fxaa=off takes it from a scene
+    #[arg(long, value_name = "on|off", num_args = 0..=1, require_equals = true,
+          default_missing_value = "on", value_parser = ["on", "off"], hide_possible_values = true)]
+    pub fxaa: Option<String>,
 
     /// The side that the volume is seen from; replaces the scene's camera
     #[arg(long, value_name = "SIDE", help_heading = "Camera",
@@ -273,6 +287,10 @@ pub struct PictureFlags {
     /// Bits per channel: 8 or 16 for PNG, 16 or 32 (floating point) for EXR
     #[arg(long, value_name = "N")]
     pub bits: Option<u32>,
+
+    /// Also write how far away what is seen is (method first-hit, meshes): channel Z of EXR
+    #[arg(long)]
+    pub depth: bool,
 
     /// Threads that draw; without, one per core. The picture is the same
     #[arg(long, value_name = "N")]

@@ -79,7 +79,16 @@ fn draw(
 ) -> Result<()> {
     let start = Instant::now();
     let encoding = Encoding::for_path(path, file.bits)?;
-    let subject = over(subject, flags)?;
+    if file.depth && matches!(encoding, Encoding::Png8 | Encoding::Png16) {
+        bail!(
+            "--depth is given for {}: PNG holds no depth; name a file that ends in .exr",
+            path.display()
+        );
+    }
+    let mut subject = over(subject, flags)?;
+    if file.depth {
+        subject = subject.with_depth();
+    }
     // Before the long work, so that a place that cannot be written is found first.
     let output = Output::create(path)?;
     let stages = Stages::new(quiet);
