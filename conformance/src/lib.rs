@@ -4,6 +4,7 @@
 //!   that each pixel of a renderer in single precision must lie in.
 //! - [`closed_form`]: answers that are known as formulas.
 //! - [`scenes`] and [`golden`]: scenes that every renderer draws, with pictures that a person has looked at.
+//! - [`agreement`]: how alike two pictures of the same scene are; [`gallery`]: a scene per variant of every step.
 //! - [`renderers`]: the list of renderers that all tests go through.
 //!
 //! A picture, and how far it is from the truth:
@@ -28,7 +29,9 @@
 
 #![warn(missing_docs)]
 
+pub mod agreement;
 pub mod closed_form;
+pub mod gallery;
 pub mod golden;
 mod renderers;
 pub mod scenes;

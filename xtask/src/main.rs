@@ -1,4 +1,4 @@
-//! The project's own commands: `cargo xtask test | tidy | ci | oracle | fuzz`.
+//! The project's own commands: `cargo xtask test | tidy | ci | gallery | oracle | fuzz`.
 
 mod ci;
 mod command;
@@ -32,6 +32,8 @@ enum Task {
     Tidy,
     /// All that a submission must pass: tests, formatting, clippy, documentation, tidy.
     Ci,
+    /// Draws a small picture per variant into docs/gallery, on both renderers, which have to agree.
+    Gallery,
     /// Compares what Strahl reads and writes with independent Python libraries.
     Oracle {
         /// Measures time and memory of reading beside those libraries instead of comparing.
@@ -61,6 +63,14 @@ fn main() -> Result<ExitCode> {
         Task::Test { filter } => suite::run(&root, filter.as_deref())?.print(),
         Task::Tidy => tidy::run(&root)?,
         Task::Ci => ci::run(&root)?,
+        Task::Gallery => {
+            let example = ["run", "--release", "-p", "strahl-conformance"];
+            command::succeeds(
+                command::cargo(&root)
+                    .args(example)
+                    .args(["--example", "gallery"]),
+            )?
+        }
         Task::Oracle {
             time,
             only,

@@ -7,13 +7,16 @@ use crate::simple::{cut_box, of_samples, parallel};
 use crate::variants::{any_variant, blobs, pair, ramp, two, wall};
 use glam::{DAffine3, DMat3, DVec3};
 use std::sync::OnceLock;
+use strahl_conformance::agreement::agreement;
+use strahl_conformance::gallery::{GALLERY, scene};
+use strahl_conformance::scenes::{SCENES as SCENES_WITH_GOLDENS, prepare};
 use strahl_gpu::{Device, Renderer, no_progress};
 use strahl_scene::plan::*;
 use strahl_scene::{Image, Scene, resolve};
 use strahl_volume::phantom::Phantom;
 use strahl_volume::{Datasets, Grid, Metadata, Rescale, Samples, Volume};
 
-fn device() -> Option<&'static Device> {
+pub fn device() -> Option<&'static Device> {
     static DEVICE: OnceLock<Option<Device>> = OnceLock::new();
     let open = || match Device::open(None) {
         Ok(device) => Some(device),
@@ -24,38 +27,6 @@ fn device() -> Option<&'static Device> {
         }
     };
     DEVICE.get_or_init(open).as_ref()
-}
-
-/// What is seen of the difference of two pictures.
-struct Difference {
-    /// In dB, of 8-bit sRGB-like values; infinite if equal.
-    psnr: f64,
-    /// Share of the pixels with a channel that is off by more than 8/255.
-    far: f64,
-    /// The largest difference of a channel.
-    most: f64,
-}
-
-fn difference(a: &Image, b: &Image) -> Difference {
-    let (mut sum, mut far, mut most) = (0.0, 0usize, 0.0f64);
-    for (a, b) in a.pixels().iter().zip(b.pixels()) {
-        let mut worst = 0.0f64;
-        for c in 0..4 {
-            // A square root stands for the curve of the screen.
-            let seen = |v: f32| f64::from(v.clamp(0.0, 1.0)).sqrt();
-            let d = (seen(a[c]) - seen(b[c])).abs();
-            sum += d * d;
-            worst = worst.max(d);
-        }
-        far += usize::from(worst > 8.0 / 255.0);
-        most = most.max(worst);
-    }
-    let n = a.pixels().len() as f64;
-    Difference {
-        psnr: -10.0 * (sum / (4.0 * n)).log10(),
-        far: far as f64 / n,
-        most,
-    }
 }
 
 /// Draws on both; `None` without an adapter.
@@ -86,17 +57,19 @@ fn agrees(what: &str, volume: &Volume, scene: &str) {
 fn looks_the_same(what: &str, cpu: &Image, gpu: &Image) {
     let seen = cpu.pixels().iter().filter(|p| p[3] > 0.0).count();
     assert!(seen > cpu.pixels().len() / 20, "{what}: nothing is seen");
-    let d = difference(cpu, gpu);
+    let d = agreement(cpu, gpu);
     println!(
         "{what}: {:.1} dB, {:.4} far, at most {:.3}",
-        d.psnr, d.far, d.most
+        d.psnr_db, d.far, d.most
     );
     // Silhouettes: a sample that lies on the border of the extent or of a surface may fall on
-    // either side of it in single precision.
+    // either side of it in single precision. In a large picture one such pixel in 100,000 may look
+    // like none, as what is behind is nearly of its colour.
+    let outside = d.far_outside_silhouettes * 100_000 / cpu.pixels().len();
     assert!(
-        d.psnr >= 45.0 && d.far < 0.003,
+        d.psnr_db >= 45.0 && d.far < 0.003 && outside == 0,
         "{what}: {:.1} dB, {} far",
-        d.psnr,
+        d.psnr_db,
         d.far
     );
 }
@@ -146,6 +119,22 @@ fn phantoms_look_the_same() {
 }
 
 #[test]
+fn the_golden_scenes_look_the_same() {
+    let Some(device) = device() else { return };
+    for (name, text) in SCENES_WITH_GOLDENS {
+        let (volume, plan) = prepare(name, text).unwrap();
+        let cpu = strahl_cpu::Renderer::new(&volume)
+            .render(&plan, &Default::default(), &strahl_cpu::no_progress)
+            .unwrap();
+        let gpu = Renderer::new(device, &volume)
+            .unwrap()
+            .render(&plan, no_progress)
+            .unwrap();
+        looks_the_same(name, &cpu.image, &gpu.image);
+    }
+}
+
+#[test]
 fn every_sample_type_looks_the_same() {
     let dims = [20, 24, 28];
     let field = |i: usize| {
@@ -183,51 +172,13 @@ fn every_sample_type_looks_the_same() {
     }
 }
 
-/// One key at a time that chooses another function.
-const VARIANTS: [&str; 33] = [
-    r#""method": "gmip""#,
-    r#""method": "mida""#,
-    r#""method": "first-hit""#,
-    r#""method": "mip", "shading": { "model": "phong" }"#,
-    r#""quality": "null""#,
-    r#""quality": "minimum""#,
-    r#""quality": "maximum""#,
-    r#""debug": "exit""#,
-    r#""debug": "normal""#,
-    r#""debug": "gradient-raw""#,
-    r#""debug": "gradient-magnitude""#,
-    r#""debug": "sample-count""#,
-    r#""debug": "depth""#,
-    r#""reconstruct": "b-spline""#,
-    r#""reconstruct": "b-spline-interpolating""#,
-    r#""reconstruct": "catmull-rom""#,
-    r#""gradient": { "method": "forward" }"#,
-    r#""gradient": { "method": "backward", "of": "opacity" }"#,
-    r#""gradient": { "method": "sobel" }"#,
-    r#""gradient": { "method": "b-spline" }"#,
-    r#""shading": { "model": "lambert" }"#,
-    r#""shading": { "model": "cook-torrance" }"#,
-    r#""shading": { "model": "gradient-opacity" }"#,
-    r#""shading": { "keep_last_normal": true }"#,
-    r#""lights": [{ "type": "point", "position": [40, 60, 20], "reach_mm": 60 }]"#,
-    r#""jitter": { "white-tile": 3 }"#,
-    r#""jitter": { "blue-tile": 3 }, "frames": 5"#,
-    r##""compositing": "display", "background": "#406080""##,
-    r#""clips": [{ "ellipsoid": { "min": [0.1, 0.2, 0.1], "max": [0.8, 0.9, 0.7], "space": "fraction" } }]"#,
-    r#""clips": [{ "cylinder": { "min": [0.3, 0.3, 0], "max": [0.7, 0.7, 0.6], "space": "fraction", "keep": "outside" } }]"#,
-    r#""functions": { "classify": { "module": "pre_classified" } }"#,
-    r#""functions": { "composite": { "module": "back_to_front" } }"#,
-    r##""functions": { "fetch": { "module": "noise", "params": { "cell_voxels": 9 } } },
-       "transfer_function": { "points": [[0.3, 0, "#ff8040"], [0.8, 0.9, "#80c0ff"]] }"##,
-];
-
 #[test]
 fn every_variant_looks_the_same() {
     for phantom in [Phantom::Tree, Phantom::Anatomy] {
         let volume = phantom.volume([40, 36, 44]).unwrap();
-        for keys in VARIANTS {
-            let scene = format!("{{ \"size\": [80, 64], {keys} }}");
-            agrees(&format!("{phantom:?} {keys}"), &volume, &scene);
+        for variant in GALLERY {
+            let what = format!("{phantom:?} {}", variant.1);
+            agrees(&what, &volume, &scene(variant, [80, 64]));
         }
     }
 }
@@ -416,11 +367,11 @@ fn random_plans_look_the_same() {
         let gpu = Renderer::new(device, &volume)
             .unwrap()
             .render(&plan, no_progress);
-        let d = difference(&cpu, &gpu.unwrap().image);
+        let d = agreement(&cpu, &gpu.unwrap().image);
         drawn += 1;
         // Transfer functions one entry wide, edges of boxes and nearest voxels: single samples flip.
         if d.far > 0.05 {
-            failed.push((seed, d.psnr, d.far, d.most, plan));
+            failed.push((seed, d.psnr_db, d.far, d.most, plan));
         }
     }
     for (seed, psnr, far, most, plan) in &failed {

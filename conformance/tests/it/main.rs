@@ -10,5 +10,6 @@ mod random;
 mod same_bytes;
 mod simple;
 mod transmittance;
+mod twins;
 mod values;
 mod variants;

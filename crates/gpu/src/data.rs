@@ -6,7 +6,7 @@ use crate::geometry::Meshes;
 use crate::volume_texture::{Pages, VolumeTexture};
 use strahl_scene::plan::{ClipShape, Fetch, Plan, PlanObject, Reconstruct};
 use strahl_shader::Texels;
-use strahl_volume::{Datasets, Metadata, Rescale, Samples, Volume, bricks::Bricks};
+use strahl_volume::{Datasets, Metadata, Rescale, SampleType, Samples, Volume, bricks::Bricks};
 
 /// Everything that Plans of the same data read.
 #[derive(Debug)]
@@ -162,6 +162,16 @@ impl<'v> Data<'v> {
         (0..self.volumes.len())
             .map(|volume| self.on_device(plan, volume).texture.storage.texels)
             .collect()
+    }
+
+    /// Whether every value is finite because the voxels are whole numbers and far from the largest float.
+    pub fn are_finite(&self) -> bool {
+        let is_finite = |volume: &&Volume| {
+            let Rescale { slope, intercept } = volume.rescale();
+            !matches!(volume.sample_type(), SampleType::F32 | SampleType::F64)
+                && slope.abs().max(intercept.abs()) < 1e20
+        };
+        self.volumes.iter().all(is_finite)
     }
 
     /// Whether a texture unit interpolates any of the objects' volumes.

@@ -46,10 +46,26 @@ use std::sync::Arc;
 use std::time::Instant;
 use strahl_scene::plan::{Jitter, Plan};
 use strahl_scene::{Image, NoiseTile};
-use strahl_shader::{Linker, NOWHERE_MM, Program, RayLoop, TABLE_ROW, bindings, ray_loop};
+use strahl_shader::{Linker, NOWHERE_MM, Program, RayLoop, TABLE_ROW, Texels, bindings, ray_loop};
 use strahl_volume::Datasets;
 use target::{PART, Target};
 use wgpu::BindingResource::{Sampler, TextureView};
+
+/// The program that draws `plan` where the texture unit interpolates the volumes; no device is needed.
+///
+/// # Errors
+/// The functions cannot be linked.
+pub fn program(plan: &Plan) -> Result<Arc<Program>, Error> {
+    let functions = Functions::of(plan, true, |_, threshold| f64::from(threshold))?;
+    let volumes = plan.objects.iter().map(|object| object.volume + 1).max();
+    let skeleton = ray_loop(&RayLoop {
+        volumes: vec![Texels::Float; volumes.unwrap_or(1)],
+        objects: plan.objects.len(),
+        is_before_geometry: !plan.meshes.is_empty(),
+        is_finite: false,
+    })?;
+    Ok(Linker::new().link(&skeleton, &functions.selection)?)
+}
 
 /// A function that does nothing with the progress and never ends the picture.
 pub fn no_progress(_drawn: usize, _total: usize) -> ControlFlow<()> {
@@ -147,6 +163,7 @@ impl<'d, 'v> Renderer<'d, 'v> {
             volumes: self.data.texels(plan),
             objects: plan.objects.len(),
             is_before_geometry: !plan.meshes.is_empty(),
+            is_finite: self.data.are_finite() && functions.selection.is_built_in(),
         })?;
         Ok(self.linker.link(&skeleton, &functions.selection)?)
     }
@@ -184,17 +201,36 @@ impl<'d, 'v> Renderer<'d, 'v> {
         progress: impl Fn(usize, usize) -> ControlFlow<()>,
     ) -> Result<Rendered, Error> {
         let start = Instant::now();
+        let program = self.program(plan)?;
+        let parameters = self.functions(plan)?.parameters(&program)?;
+        let mut rendered = self.render_by(plan, &program, &parameters, progress)?;
+        let all = start.elapsed().as_secs_f64();
+        let stats = &mut rendered.stats;
+        stats.link_seconds = all - stats.prepare_seconds - stats.draw_seconds;
+        Ok(rendered)
+    }
+
+    /// Draws `plan` by a program of the caller's, which reads what [`strahl_shader::bindings`] lists.
+    /// `parameters` is its uniform block.
+    ///
+    /// # Errors
+    /// As [`Renderer::render`].
+    pub fn render_by(
+        &mut self,
+        plan: &Plan,
+        program: &Arc<Program>,
+        parameters: &[u8],
+        progress: impl Fn(usize, usize) -> ControlFlow<()>,
+    ) -> Result<Rendered, Error> {
+        let start = Instant::now();
         self.data.check(plan)?;
         self.data.make_coefficients(self.device, plan)?;
-        let functions = self.functions(plan)?;
-        let program = self.link(plan, &functions)?;
         let texels = self.data.texels(plan);
         let ready = self
             .pipelines
-            .of(self.device, &program, &texels, plan.with_depth)?;
+            .of(self.device, program, &texels, plan.with_depth)?;
         let linked = Instant::now();
-        let parameters = functions.parameters(&program)?;
-        let mut prepared = self.prepare(plan, &program, &ready, &parameters);
+        let mut prepared = self.prepare(plan, program, &ready, parameters);
         if plan.with_depth {
             self.target.with_depth(self.device);
         }

@@ -1,8 +1,9 @@
 fn look(sample: Sample) -> Surface {
     let surface = classify(sample.value, sample.position);
-    if !(surface.opacity > 0.0) {
-        return Surface(vec3f(0.0), 0.0);
+    var seen = Surface(vec3f(0.0), 0.0);
+    if surface.opacity > 0.0 {
+        seen = shade(surface, sample.position, sample.to_eye);
+        seen.opacity = opacity_of_step(seen.opacity);
     }
-    let seen = shade(surface, sample.position, sample.to_eye);
-    return Surface(seen.color, opacity_of_step(seen.opacity));
+    return seen;
 }

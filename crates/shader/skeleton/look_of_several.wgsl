@@ -14,7 +14,7 @@ fn look(sample: Sample) -> Surface {
             continue;
         }
         let value = reconstruct(position);
-        if !is_finite(value) {
+        if !is_value(value) {
             continue;
         }
         let surface = classify(value, position);

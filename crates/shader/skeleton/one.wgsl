@@ -7,6 +7,15 @@ fn object() -> u32 {
     return 0u;
 }
 
+// The table and the bricks of the only object begin at 0.
+fn table_first() -> u32 {
+    return 0u;
+}
+
+fn bricks_first() -> vec3u {
+    return vec3u(0u);
+}
+
 fn ray_position(lattice_point: f32) -> vec3f {
     return entry_in_voxel + lattice_point * step_in_voxel;
 }
@@ -35,7 +44,7 @@ fn march(pixel: vec2u) -> vec4f {
         if !clip_sample(place_mm(position)) {
             let value = reconstruct(position);
             // A sample without a value counts for no composite.
-            if is_finite(value) {
+            if is_value(value) {
                 state = composite_add(state, Sample(value, lattice_point, position, to_eye));
                 if composite_done(state) {
                     break;

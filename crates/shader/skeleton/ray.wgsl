@@ -64,23 +64,25 @@ fn is_finite(value: f32) -> bool {
     return (bitcast<u32>(value) & 0x7F800000u) != 0x7F800000u;
 }
 
+// What brings the square of a vector's length into the range of numbers.
+fn scale_for_square(v: vec3f) -> f32 {
+    let square = dot(v, v);
+    return select(select(1.0, 1e20, square < 1e-30), 1e-20, square > 1e30);
+}
+
 fn direction(v: vec3f) -> vec3f {
-    // Divided by the largest component first: the square of a small vector would underflow.
-    let size = abs(v);
-    let largest = max(size.x, max(size.y, size.z));
-    if !(largest > 0.0) || !is_finite(size.x + size.y + size.z) {
-        return vec3f(0.0);
-    }
-    return normalize(v / largest);
+    let scaled = v * scale_for_square(v);
+    let square = dot(scaled, scaled);
+    // By bits: above 0, and neither infinite nor NaN.
+    let is_one = bitcast<u32>(square) - 1u < 0x7F7FFFFFu;
+    return select(vec3f(0.0), scaled * inverseSqrt(square), is_one);
 }
 
 fn magnitude(v: vec3f) -> f32 {
-    let size = abs(v);
-    let largest = max(size.x, max(size.y, size.z));
-    if !(largest > 0.0) || !is_finite(size.x + size.y + size.z) {
-        return 0.0;
-    }
-    return largest * length(v / largest);
+    let scale = scale_for_square(v);
+    let scaled = v * scale;
+    let square = dot(scaled, scaled);
+    return select(0.0, sqrt(square) / scale, is_finite(square));
 }
 
 fn rows_times(rows: array<vec4f, 3>, p: vec4f) -> vec3f {
@@ -101,12 +103,7 @@ fn gradient_per_mm(gradient_per_voxel: vec3f) -> vec3f {
 }
 
 fn opacity_of_step(opacity: f32) -> f32 {
-    let exponent = frame.objects[object()].steps_per_reference;
-    let within = clamp(opacity, 0.0, 1.0);
-    if exponent == 1.0 {
-        return within;
-    }
-    return 1.0 - pow(1.0 - within, exponent);
+    return 1.0 - pow(1.0 - clamp(opacity, 0.0, 1.0), frame.objects[object()].steps_per_reference);
 }
 
 fn distance_mm(lattice_point: f32) -> f32 {
@@ -122,18 +119,16 @@ fn table_entry(index: u32) -> vec4f {
 }
 
 fn table(value: f32) -> Surface {
-    // NaN has no place in the table; what is infinite is at one of its ends.
-    if (bitcast<u32>(value) & 0x7FFFFFFFu) > 0x7F800000u {
-        return Surface(vec3f(0.0), 0.0);
-    }
-    let first = frame.objects[object()].table_first;
+    let first = table_first();
     let entries = frame.objects[object()].table_entries;
     let domain = frame.objects[object()].table_domain;
     let last = f32(entries - 1u);
     let place = clamp((value - domain.x) * (last / (domain.y - domain.x)), 0.0, last);
     let index = min(u32(place), entries - 2u);
     let entry = mix(table_entry(first + index), table_entry(first + index + 1u), place - f32(index));
-    return Surface(entry.rgb, entry.a);
+    // NaN has no place in the table; what is infinite is at one of its ends.
+    let is_lost = is_nan(value);
+    return Surface(select(entry.rgb, vec3f(0.0), is_lost), select(entry.a, 0.0, is_lost));
 }
 
 // A ray in the voxel space of an object: `along` is the way of one mm.
@@ -167,7 +162,7 @@ fn extent_mm(line: Line) -> vec2f {
 fn empty_points(position: vec3f, step: vec3f) -> f32 {
     let last = vec3f((frame.objects[object()].dims - 1u) / u32(BRICK));
     let brick = clamp(floor(position / BRICK), vec3f(0.0), last);
-    if textureLoad(bricks, frame.objects[object()].bricks_first + vec3u(brick), 0).r != 0u {
+    if textureLoad(bricks, bricks_first() + vec3u(brick), 0).r != 0u {
         return 0.0;
     }
     // A margin on all faces makes up for rounding; the outermost bricks go on to the border.

@@ -13,6 +13,14 @@ fn object() -> u32 {
     return current;
 }
 
+fn table_first() -> u32 {
+    return frame.objects[current].table_first;
+}
+
+fn bricks_first() -> vec3u {
+    return frame.objects[current].bricks_first;
+}
+
 fn ray_position(lattice_point: f32) -> vec3f {
     return entries_in_voxel[current] + lattice_point * steps_in_voxel[current];
 }

@@ -26,7 +26,7 @@
 //!     .with(built_in("reconstruct", "trilinear")?)
 //!     .with(Arc::new(halved))
 //!     .with(built_in("composite", "front_to_back")?);
-//! let one = RayLoop { volumes: vec![Texels::Float], objects: 1, is_before_geometry: false };
+//! let one = RayLoop { volumes: vec![Texels::Float], objects: 1, is_before_geometry: false, is_finite: false };
 //! let program = Linker::new().link(&ray_loop(&one)?, &selection)?;
 //! let mut parameters = program.default_parameters();
 //! program.set(&mut parameters, "classify", "share", &[0.25])?;
@@ -36,6 +36,7 @@
 
 #![warn(missing_docs)]
 
+mod cost;
 mod error;
 mod library;
 mod link;
@@ -46,6 +47,7 @@ mod skeleton;
 mod slot;
 mod token;
 
+pub use cost::{Cost, Work};
 pub use error::{Error, Report};
 pub use library::{built_in, library};
 pub use link::{Linker, MOST_TURNS, Selection, Skeleton};

@@ -40,6 +40,11 @@ impl Selection {
         self
     }
 
+    /// Whether all functions are of the library.
+    pub fn is_built_in(&self) -> bool {
+        self.modules.values().flatten().all(|m| m.is_built_in())
+    }
+
     /// The functions in a slot.
     pub fn of(&self, slot: &Slot) -> &[Arc<Module>] {
         self.modules.get(&index(slot)).map_or(&[], Vec::as_slice)

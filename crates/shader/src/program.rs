@@ -1,5 +1,6 @@
 //! A linked program.
 
+use crate::cost::Cost;
 use crate::error::Error;
 use crate::module::Module;
 use std::sync::Arc;
@@ -72,6 +73,11 @@ impl Program {
         let mut found: Vec<_> = bound.map(|b| b.binding).collect();
         found.sort_unstable();
         found
+    }
+
+    /// What it costs at most, per ray and per sample.
+    pub fn cost(&self) -> Cost {
+        Cost::of(&self.naga)
     }
 
     /// The text, made to be read, with a comment at each function.

@@ -56,6 +56,9 @@ pub struct RayLoop {
     pub objects: usize,
     /// Whether opaque geometry is behind the volumes, and not only the background.
     pub is_before_geometry: bool,
+    /// Whether every value is known to be finite, so that nothing has to be checked: volumes of whole
+    /// numbers, and only functions of the library.
+    pub is_finite: bool,
 }
 
 /// Objects, and volumes, in one ray loop.
@@ -120,6 +123,7 @@ pub fn ray_loop(what: &RayLoop) -> Result<Skeleton, Error> {
         volumes,
         objects,
         is_before_geometry,
+        is_finite,
     } = what;
     for (what, number) in [("volumes", volumes.len()), ("objects", *objects)] {
         if !(1..=MOST_OBJECTS).contains(&number) {
@@ -155,9 +159,15 @@ pub fn ray_loop(what: &RayLoop) -> Result<Skeleton, Error> {
     } else {
         include_str!("../skeleton/behind_nothing.wgsl")
     };
+    let values = if *is_finite {
+        include_str!("../skeleton/values_finite.wgsl")
+    } else {
+        include_str!("../skeleton/values_any.wgsl")
+    };
     let parts = [
         look,
         behind,
+        values,
         include_str!("../skeleton/tile.wgsl"),
         include_str!("../skeleton/opaque_mm.wgsl"),
         include_str!("../skeleton/mask.wgsl"),

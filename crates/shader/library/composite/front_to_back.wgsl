@@ -16,9 +16,6 @@ fn composite_start() -> State {
 
 fn composite_add(state: State, sample: Sample) -> State {
     let seen = look(sample);
-    if !(seen.opacity > 0.0) {
-        return state;
-    }
     let share = (1.0 - state.alpha) * seen.opacity;
     return State(state.color + share * seen.color, state.alpha + share);
 }

@@ -13,16 +13,14 @@ struct Params {
 
 fn illuminate(color: vec3f, normal: vec3f, to_eye: vec3f, light: Light) -> vec3f {
     let cosine = dot(normal, light.direction);
-    if !(cosine > 0.0) {
-        return vec3f(0.0);
+    var lit = vec3f(0.0);
+    if cosine > 0.0 {
+        let between = light.direction + to_eye;
+        let square = dot(between, between);
+        // Light from exactly behind has no half vector.
+        let cosine_of_half = select(0.0, dot(normal, between) * inverseSqrt(square), square > 0.0);
+        let highlight = params.specular * pow(clamp(cosine_of_half, 0.0, 1.0), params.shininess);
+        lit = light.radiance * (params.diffuse * cosine * color + highlight);
     }
-    var highlight = 0.0;
-    let between = light.direction + to_eye;
-    let between_length = length(between);
-    // Light from exactly behind has no half vector.
-    if between_length > 0.0 {
-        let cosine_of_half = clamp(dot(normal, between / between_length), 0.0, 1.0);
-        highlight = params.specular * pow(cosine_of_half, params.shininess);
-    }
-    return light.radiance * (params.diffuse * cosine * color + highlight);
+    return lit;
 }

@@ -8,10 +8,11 @@ struct Params {
 
 fn shade(surface: Surface, position: vec3f, to_eye: vec3f) -> Surface {
     let normal = direction(gradient(position));
-    if dot(normal, normal) == 0.0 {
-        return surface;
+    var seen = surface;
+    if dot(normal, normal) > 0.0 {
+        seen = illuminated(surface, normal, position, to_eye);
     }
-    return illuminated(surface, normal, position, to_eye);
+    return seen;
 }
 
 fn illuminated(surface: Surface, normal: vec3f, position: vec3f, to_eye: vec3f) -> Surface {

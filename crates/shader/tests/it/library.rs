@@ -121,3 +121,35 @@ fn what_is_not_needed_is_not_there() {
     }
     assert!(slot("gradient").is_some());
 }
+
+#[test]
+fn costs_are_those_that_a_person_counts() {
+    let reads = |texels, slot: &str, name: &str| {
+        let function = built_in(slot, name).unwrap();
+        let program = Linker::new().link(&one(texels), &with(&[function]));
+        let cost = program.unwrap().cost();
+        let of = |name: &str| cost.functions.iter().find(|(n, _)| n == name);
+        (
+            of(slot).map_or(0, |(_, work)| work.texture_reads),
+            cost.per_sample,
+        )
+    };
+    assert_eq!(reads(Texels::Float, "reconstruct", "nearest").0, 1);
+    assert_eq!(reads(Texels::Float, "reconstruct", "trilinear").0, 8);
+    assert_eq!(
+        reads(Texels::Float, "reconstruct", "trilinear_sampler").0,
+        1
+    );
+    assert_eq!(
+        reads(Texels::Unsigned, "reconstruct", "trilinear_sampler").0,
+        8
+    );
+    assert_eq!(reads(Texels::Float, "reconstruct", "b_spline_sampler").0, 8);
+    assert_eq!(reads(Texels::Float, "reconstruct", "catmull_rom").0, 64);
+    assert_eq!(reads(Texels::Float, "gradient", "central").0, 6 * 8);
+    assert_eq!(reads(Texels::Float, "gradient", "sobel").0, 27 * 8);
+    // A sample, its gradient, two entries of the table, and whether its brick is empty.
+    let (_, sample) = reads(Texels::Float, "reconstruct", "trilinear_sampler");
+    assert_eq!(sample.texture_reads, 1 + 6 + 2 + 1);
+    assert!(sample.instructions > 50);
+}

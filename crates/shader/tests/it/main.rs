@@ -12,11 +12,13 @@ fn one(texels: Texels) -> Skeleton {
 }
 
 fn loop_over(volumes: &[Texels], objects: usize) -> Skeleton {
+    let volumes_are_whole = matches!(volumes[0], Texels::Unsigned | Texels::Signed);
     let volumes = volumes.to_vec();
     ray_loop(&RayLoop {
         volumes,
         objects,
         is_before_geometry: objects > 1,
+        is_finite: volumes_are_whole,
     })
     .unwrap()
 }

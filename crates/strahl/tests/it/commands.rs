@@ -49,6 +49,8 @@ fn help_has_examples_that_are_right() {
         "shader list",
         "shader show",
         "shader check",
+        "shader wgsl",
+        "shader cost",
     ] {
         let mut args: Vec<&str> = command.split(' ').collect();
         args.push("--help");

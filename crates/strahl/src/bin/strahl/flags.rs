@@ -440,6 +440,8 @@ pub enum ShaderCommand {
     List(ShaderListFlags),
     Show(ShaderShowFlags),
     Check(ShaderCheckFlags),
+    Wgsl(ShaderSceneFlags),
+    Cost(ShaderCostFlags),
 }
 
 /// List the slots of the ray, their signatures, and the functions of the library
@@ -472,6 +474,32 @@ pub struct ShaderCheckFlags {
     /// The modules
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
+}
+
+/// Print the program that draws a scene on a graphics processor, with a comment per function
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  strahl shader wgsl scene.json
+  strahl shader wgsl head.nii.gz > head.wgsl")]
+pub struct ShaderSceneFlags {
+    /// A scene, a volume, or a picture with its scene
+    #[arg(value_name = "SCENE|VOLUME")]
+    pub input: PathBuf,
+}
+
+/// Count texture reads and instructions of the program that draws a scene
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  strahl shader cost scene.json
+  strahl shader cost scene.json --json")]
+pub struct ShaderCostFlags {
+    /// A scene, a volume, or a picture with its scene
+    #[arg(value_name = "SCENE|VOLUME")]
+    pub input: PathBuf,
+
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// Print a script that completes commands and flags in a shell

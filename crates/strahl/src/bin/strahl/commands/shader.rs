@@ -1,20 +1,63 @@
 //! `strahl shader`: the functions of the ray, the library of them, and a check of one's own.
 
-use crate::flags::{ShaderCheckFlags, ShaderCommand, ShaderListFlags, ShaderShowFlags};
+use crate::commands::draw;
+use crate::flags::{
+    ReadFlags, ShaderCheckFlags, ShaderCommand, ShaderCostFlags, ShaderListFlags, ShaderSceneFlags,
+    ShaderShowFlags,
+};
 use crate::print;
 use anyhow::{Context, Result, bail};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::fs;
 use std::path::Path;
-use strahl::shader::{Module, SLOTS, Slot, library};
+use strahl::shader::{Module, Program, SLOTS, Slot, Work, library};
 
 pub fn run(command: &ShaderCommand) -> Result<()> {
     match command {
         ShaderCommand::List(flags) => list(flags),
         ShaderCommand::Show(flags) => show(flags),
         ShaderCommand::Check(flags) => check(flags),
+        ShaderCommand::Wgsl(flags) => wgsl(flags),
+        ShaderCommand::Cost(flags) => cost(flags),
     }
+}
+
+fn program(input: &Path) -> Result<std::sync::Arc<Program>> {
+    let subject = draw::subject(&[input.to_owned()], &ReadFlags::default(), true)?;
+    Ok(strahl::gpu::program(&subject.plan()?)?)
+}
+
+fn wgsl(flags: &ShaderSceneFlags) -> Result<()> {
+    print::out(program(&flags.input)?.wgsl())
+}
+
+fn cost(flags: &ShaderCostFlags) -> Result<()> {
+    let cost = program(&flags.input)?.cost();
+    if flags.json {
+        let work = |work: &Work| json!({ "texture_reads": work.texture_reads, "instructions": work.instructions });
+        let functions: Vec<_> = (cost.functions.iter())
+            .map(|(name, of)| json!({ "name": name, "work": work(of) }))
+            .collect();
+        let all = json!({
+            "per_ray": work(&cost.per_ray),
+            "per_sample": work(&cost.per_sample),
+            "functions": functions,
+        });
+        return print::out(&(serde_json::to_string_pretty(&all)? + "\n"));
+    }
+    let mut text = String::new();
+    let mut line = |name: &str, work: &Work| {
+        let (reads, instructions) = (work.texture_reads, work.instructions);
+        let _ = writeln!(text, "{name:<28} {reads:>6} {instructions:>8}");
+    };
+    line("per ray", &cost.per_ray);
+    line("per visible sample", &cost.per_sample);
+    for (name, work) in &cost.functions {
+        line(&format!("  {name}"), work);
+    }
+    let head = format!("{:<28} {:>6} {:>8}\n", "at most", "reads", "instr.");
+    print::out(&(head + &text))
 }
 
 fn list(flags: &ShaderListFlags) -> Result<()> {
