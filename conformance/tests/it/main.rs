@@ -8,6 +8,7 @@ mod metamorphic;
 mod orientation;
 mod random;
 mod same_bytes;
+mod sim;
 mod simple;
 mod transmittance;
 mod twins;

@@ -70,6 +70,8 @@ pub use strahl_gpu as gpu;
 pub use strahl_scene as scene;
 /// Shader functions: every step of the ray.
 pub use strahl_shader as shader;
+/// The model of a ray-casting processor.
+pub use strahl_sim as sim;
 /// Stored data and the files it comes from.
 pub use strahl_volume as volume;
 

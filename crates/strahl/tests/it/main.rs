@@ -8,6 +8,7 @@ mod flags;
 mod library;
 mod pictures;
 mod shader;
+mod sim;
 #[cfg(unix)]
 mod stopping;
 

@@ -6,6 +6,7 @@ mod info;
 mod presets;
 mod scene;
 mod shader;
+pub mod sim;
 
 use crate::args;
 use crate::flags::{Command, CompletionsFlags, Flags, ReadFlags};
@@ -27,6 +28,7 @@ pub fn run(flags: Flags) -> Result<()> {
         Command::Scene(command) => scene::run(&command, quiet),
         Command::Shader(command) => shader::run(&command),
         Command::Presets(flags) => presets::run(&flags),
+        Command::Sim(command) => sim::run(&command, quiet),
         Command::Completions(flags) => completions(&flags),
     }
 }

@@ -1,5 +1,9 @@
 //! The table of everything that can be typed. Meanings and checks are in [`crate::args`].
 
+mod sim;
+
+pub use sim::{SimCommand, SimRunFlags, SimSpecFlags, SimStatsFormat, SimStudyFlags};
+
 use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
@@ -33,6 +37,9 @@ pub enum Command {
     #[command(subcommand)]
     Shader(ShaderCommand),
     Presets(PresetsFlags),
+    /// A model of a ray-casting processor, clock by clock
+    #[command(subcommand)]
+    Sim(SimCommand),
     Completions(CompletionsFlags),
 }
 

@@ -18,6 +18,9 @@ fn main() -> ExitCode {
     // An interrupt or a request to end may come at any time, also while a file is read or written. Whatever is
     // unfinished is removed from here, so that nothing else has to check.
     let handler = ctrlc::set_handler(|| {
+        if commands::sim::stop() {
+            return;
+        }
         strahl::abandon_outputs();
         std::process::exit(130);
     });

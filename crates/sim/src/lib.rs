@@ -1,0 +1,92 @@
+//! A cycle-accurate model of a multithreaded ray-casting processor.
+//!
+//! The machine is the one of B. Vettermann's doctoral thesis (Mannheim 2006; "the document" in these pages): a pipeline
+//! that draws volumes with one sample per clock, threads over the rays of a tile, and sorts them so that the open rows of
+//! its SDRAM work as a cache. The model is bit-true and cycle-true: [`spec`] says what is built, [`messages`] every word
+//! on every wire, [`processor`] what happens in a clock.
+//!
+//! Everything here is integer arithmetic of its own; no renderer is called, so that pictures are an independent witness.
+//!
+//! ```
+//! use strahl_sim::{Frame, Nobody, Spec, VolumeStore, jaw, no_progress, run};
+//! use strahl_sim::spec::Optimisation;
+//!
+//! let volume = VolumeStore::new(&jaw([64, 64, 32])?)?;
+//! let spec = Spec { optimisation: Optimisation::none(), ..Spec::default() };
+//! let drawn = run(&Frame::new(&spec, &volume)?, &mut Nobody, &no_progress)?;
+//! assert_eq!(drawn.size, [64, 32]);
+//! // One sample per voxel; 8 tiles · 4 rows of tiles, each through four blocks of 16³ voxels.
+//! assert_eq!(drawn.counters.samples, 64 * 64 * 32);
+//! assert_eq!(drawn.counters.thesis_row_changes, 8 * 4 * 4);
+//! # Ok::<(), strahl_sim::Error>(())
+//! ```
+//!
+//! In reading order: [`spec`], [`messages`], [`processor`], [`stages`], [`ray_queue`], [`memory`], [`dram`],
+//! [`distance`], [`rays`].
+
+pub mod spec;
+
+pub mod messages;
+
+mod latch;
+
+pub mod processor;
+
+pub mod stages;
+
+pub mod ray_queue;
+
+pub mod memory;
+
+pub mod voxel_layout;
+
+pub mod dram;
+
+pub mod distance;
+
+pub mod distance_engine;
+
+pub mod adaptive;
+
+pub mod merge;
+
+pub mod intermediate_planes;
+
+pub mod rays;
+
+pub mod frame;
+
+pub mod host;
+
+pub mod counters;
+
+pub mod observer;
+
+pub mod fixed_point;
+
+pub mod statistics;
+
+pub mod gray_png;
+
+pub mod waveform;
+
+pub mod pipeline_diagram;
+
+pub mod chart;
+
+pub mod report;
+
+pub mod study;
+
+mod error;
+mod jaw;
+mod volume_store;
+
+pub use counters::Counters;
+pub use error::Error;
+pub use frame::Frame;
+pub use jaw::jaw;
+pub use observer::{Nobody, Observer, Wires};
+pub use processor::{Progress, Run, no_progress, run};
+pub use spec::Spec;
+pub use volume_store::VolumeStore;

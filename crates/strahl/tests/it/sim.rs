@@ -1,0 +1,144 @@
+//! `strahl sim` as its users meet it.
+
+use crate::{names, run, run_well};
+
+#[test]
+fn a_phantom_is_drawn_and_counted() {
+    let folder = tempfile::tempdir().unwrap();
+    let args = [
+        "sim",
+        "run",
+        "jaw",
+        "--voxels",
+        "32,32,16",
+        "--brute-force",
+        "-o",
+        "jaw.png",
+        "--row-changes",
+        "rows.png",
+        "--vcd",
+        "jaw.vcd",
+        "--diagram",
+        "jaw.svg",
+        "--report",
+        "jaw.html",
+        "--stats",
+        "json",
+        "--set",
+        "memory.row_rule=thesis",
+    ];
+    let stats: serde_json::Value = serde_json::from_str(&run_well(folder.path(), &args)).unwrap();
+    assert_eq!(stats["counters"]["samples"], 32 * 32 * 16);
+    // Four blocks, which all stay open.
+    assert_eq!(stats["counters"]["thesis_row_changes"], 4);
+    assert_eq!(stats["is_complete"], true);
+    assert_eq!(
+        names(folder.path()),
+        ["jaw.html", "jaw.png", "jaw.svg", "jaw.vcd", "rows.png"]
+    );
+    let vcd = std::fs::read_to_string(folder.path().join("jaw.vcd")).unwrap();
+    assert!(
+        vcd.contains("$var wire 10 ") && vcd.contains("sort_key"),
+        "{vcd}"
+    );
+    let page = std::fs::read_to_string(folder.path().join("jaw.html")).unwrap();
+    assert!(page.contains("data:image/png;base64,") && !page.contains("http-equiv"));
+}
+
+#[test]
+fn the_printed_spec_can_be_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let spec = run_well(folder.path(), &["sim", "spec", "--wide"]);
+    std::fs::write(folder.path().join("mine.json"), spec).unwrap();
+    let said = run_well(
+        folder.path(),
+        &[
+            "sim",
+            "run",
+            "jaw",
+            "--voxels",
+            "16,16,8",
+            "--spec",
+            "mine.json",
+        ],
+    );
+    assert!(said.contains("frames per second"), "{said}");
+    let wires = run_well(folder.path(), &["sim", "spec", "--wires"]);
+    assert!(
+        wires.contains("address.x") && wires.contains(" 23 bit"),
+        "{wires}"
+    );
+    let schema: serde_json::Value =
+        serde_json::from_str(&run_well(folder.path(), &["sim", "spec", "--schema"])).unwrap();
+    assert!(schema["properties"]["widths"].is_object());
+}
+
+#[test]
+fn a_scene_gives_direction_and_opacity() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = r#"{ "volume": { "phantom": "shells", "dims": [32, 32, 32] }, "camera": { "view": "left" } }"#;
+    std::fs::write(folder.path().join("scene.json"), scene).unwrap();
+    let said = run_well(
+        folder.path(),
+        &["sim", "run", "scene.json", "-o", "shells.png"],
+    );
+    assert!(said.contains("shells"), "{said}");
+}
+
+#[test]
+fn what_cannot_be_built_is_refused_with_the_bound() {
+    let folder = tempfile::tempdir().unwrap();
+    for (args, words) in [
+        (
+            vec!["sim", "run", "jaw", "--set", "queue.bundle=[0,8]"],
+            ["queue.bundle", "1 to 64"],
+        ),
+        (
+            vec!["sim", "run", "jaw", "--set", "widths.lenght=3"],
+            ["lenght", "length"],
+        ),
+        (
+            vec!["sim", "run", "jaw", "--set", "memory.rows=4"],
+            ["memory.rows is 4", "32 rows"],
+        ),
+        (
+            vec!["sim", "run", "jaw", "--set", "widths.length=6"],
+            ["widths.length is 6", "8 bits"],
+        ),
+        (
+            vec!["sim", "run", "jaw", "--set", "view.pixel=0.0001"],
+            ["view.pixel", "pixels"],
+        ),
+        (
+            vec!["sim", "run", "jaw", "--window", "9..3"],
+            ["--window", "300..400"],
+        ),
+        (vec!["sim", "run", "nothing.nii"], ["nothing.nii", ""]),
+        (
+            vec!["sim", "study", "bundel", "-o", "out"],
+            ["bundel", "bundle"],
+        ),
+    ] {
+        let run = run(folder.path(), &args);
+        assert_eq!(run.code, Some(1), "{args:?}: {}", run.err);
+        for word in words {
+            assert!(run.err.contains(word), "{args:?}: {}", run.err);
+        }
+    }
+}
+
+#[test]
+fn a_study_leaves_its_tables() {
+    let folder = tempfile::tempdir().unwrap();
+    run_well(folder.path(), &["sim", "study", "transfer", "-o", "out"]);
+    assert_eq!(
+        names(&folder.path().join("out")),
+        [
+            "report.html",
+            "transfer-images.csv",
+            "transfer-words.csv",
+            "transfer.json"
+        ]
+    );
+    assert!(run_well(folder.path(), &["sim", "study", "--list"]).contains("row-changes"));
+}
