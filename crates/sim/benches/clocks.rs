@@ -1,11 +1,22 @@
-//! Simulated clocks per second of the default machine on the jaw, with and without optimisation: elements are clocks.
+//! Simulated clocks per second of the default machine on the jaw, with and without optimisation, and with somebody looking
+//! on: elements are clocks.
 //!
-//!     cargo bench -p strahl-sim
+//!     RAYON_NUM_THREADS=1 cargo bench -p strahl-sim --bench clocks
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use std::hint::black_box;
 use strahl_sim::spec::Optimisation;
-use strahl_sim::{Frame, Nobody, Spec, VolumeStore, jaw, no_progress, run};
+use strahl_sim::{Frame, Nobody, Observer, Spec, VolumeStore, Wires, jaw, no_progress, run};
+
+/// Looks at one wire: every word is made in its clock.
+#[derive(Default)]
+struct Reads(u64);
+
+impl Observer for Reads {
+    fn clock(&mut self, wires: &Wires) {
+        self.0 += u64::from(wires.issue.is_some());
+    }
+}
 
 fn clocks(c: &mut Criterion) {
     let volume = jaw([128, 128, 64])
@@ -27,6 +38,9 @@ fn clocks(c: &mut Criterion) {
         group.throughput(Throughput::Elements(once.counters.clocks));
         group.bench_function(name, |b| {
             b.iter(|| run(black_box(&frame), &mut Nobody, &no_progress).unwrap());
+        });
+        group.bench_function(format!("{name}, observed"), |b| {
+            b.iter(|| run(black_box(&frame), &mut Reads::default(), &no_progress).unwrap());
         });
     }
     group.finish();

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-/// Counts of a run. Every clock is an issued read, a bubble or frozen; every sample of every ray is read or skipped.
+/// Counts of a run. Every clock is an issued read (of a view or a light ray), a bubble or frozen; every sample of every ray is read or skipped.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Counters {
     /// Clocks from the first ray to the last result.
@@ -23,18 +23,26 @@ pub struct Counters {
     pub skipped_by_adaptive_sampling: u64,
     /// Samples that brute force reads.
     pub samples: u64,
+    /// Reads of light rays.
+    pub light_reads: u64,
+    /// Samples of light rays that brute force reads.
+    pub light_samples: u64,
     /// Reads that found a row closed, by the rows of all eight neighbours.
     pub row_stalls: u64,
     /// Rows opened, over all modules.
     pub row_changes: u64,
     /// Row changes as the document counts them: the block of S0 only.
     pub thesis_row_changes: u64,
+    /// Rows of the distance store opened.
+    pub distance_row_changes: u64,
     /// Clocks frozen for rows.
     pub frozen_for_rows: u64,
     /// Clocks frozen for refreshes.
     pub frozen_for_refresh: u64,
     /// Clocks frozen because a module delivers one word after the other, or a burst.
     pub frozen_for_words: u64,
+    /// Clocks frozen for rows of the distance store, beyond those for voxels.
+    pub frozen_for_distances: u64,
     /// Clocks without a ray in the queue.
     pub bubbles_empty: u64,
     /// Clocks in which the next ray turned out to have ended.
@@ -59,6 +67,8 @@ pub struct Counters {
     pub tiles: u64,
     /// Bytes to and from the host for tiles.
     pub host_bytes: u64,
+    /// Clocks of the distance engine, once per classification and beside `clocks`; 0 for software.
+    pub coding_clocks: u64,
 }
 
 impl Counters {
@@ -69,22 +79,25 @@ impl Counters {
 
     /// Share of clocks in which a read is issued.
     pub fn utilisation(&self) -> f64 {
-        self.reads as f64 / self.clocks.max(1) as f64
+        (self.reads + self.light_reads) as f64 / self.clocks.max(1) as f64
     }
 
     /// Row stalls per read.
     pub fn stalls_per_read(&self) -> f64 {
-        self.row_stalls as f64 / self.reads.max(1) as f64
+        self.row_stalls as f64 / (self.reads + self.light_reads).max(1) as f64
     }
 
     /// Row changes per read, as the document counts.
     pub fn thesis_changes_per_read(&self) -> f64 {
-        self.thesis_row_changes as f64 / self.reads.max(1) as f64
+        self.thesis_row_changes as f64 / (self.reads + self.light_reads).max(1) as f64
     }
 
     /// Clocks frozen, for whatever reason.
     pub fn frozen(&self) -> u64 {
-        self.frozen_for_rows + self.frozen_for_refresh + self.frozen_for_words
+        self.frozen_for_rows
+            + self.frozen_for_refresh
+            + self.frozen_for_words
+            + self.frozen_for_distances
     }
 
     /// Clocks without a read that are not frozen.
@@ -115,6 +128,8 @@ impl Counters {
                 other.skipped_by_adaptive_sampling,
             ),
             (&mut self.samples, other.samples),
+            (&mut self.light_reads, other.light_reads),
+            (&mut self.light_samples, other.light_samples),
             (&mut self.row_stalls, other.row_stalls),
             (&mut self.row_changes, other.row_changes),
             (&mut self.thesis_row_changes, other.thesis_row_changes),
@@ -133,6 +148,9 @@ impl Counters {
             (&mut self.rays_ended_early, other.rays_ended_early),
             (&mut self.tiles, other.tiles),
             (&mut self.host_bytes, other.host_bytes),
+            (&mut self.coding_clocks, other.coding_clocks),
+            (&mut self.distance_row_changes, other.distance_row_changes),
+            (&mut self.frozen_for_distances, other.frozen_for_distances),
         ];
         for (mine, theirs) in fields {
             *mine += theirs;

@@ -3,6 +3,7 @@
 //! The printed second pass forgets the voxel's own value, and clamps and divides in place, which corrupts what follows.
 //! Here own = min(own, 1 + min of 13), then steps are made of distances separately.
 
+use crate::distance_engine::in_columns;
 use crate::spec::{Leaping, Optimisation};
 use crate::stages::classify::Tables;
 use crate::stages::fetch::Voxels;
@@ -16,6 +17,8 @@ pub struct DistanceStore {
     dims: [i32; 3],
     shift: u32,
     steps: Vec<u8>,
+    /// Clocks that the circuit has taken to code it; 0 for software.
+    pub coding_clocks: u64,
 }
 
 impl DistanceStore {
@@ -31,6 +34,10 @@ impl DistanceStore {
     ) -> Option<DistanceStore> {
         let shift = optimisation.distance_block.trailing_zeros();
         let most = (1u32 << distance_bits) - 1;
+        let code = |dims, empty: &[bool]| match optimisation.distance_engine {
+            None => (chessboard(dims, empty), 0),
+            Some(engine) => in_columns(dims, empty, engine),
+        };
         match optimisation.leaping {
             Leaping::Off => None,
             Leaping::Safe => {
@@ -39,7 +46,7 @@ impl DistanceStore {
                     0 => (dims, empty),
                     _ => blocks(dims, &empty, true),
                 };
-                let distance = chessboard(dims, &empty);
+                let (distance, clocks) = code(dims, &empty);
                 // Behind the layer of cells at −1, which no ray looks up but must not leap over.
                 let inner = dims.map(|n| n - 1);
                 let edge = f64::from(1u32 << shift);
@@ -51,7 +58,7 @@ impl DistanceStore {
                         d => leap(edge * f64::from(d - 1) / largest_step + 1.0, most),
                     }
                 });
-                Some(DistanceStore::of(inner, shift, steps))
+                Some(DistanceStore::of(inner, shift, steps, clocks))
             }
             Leaping::Document => {
                 let dims = voxels.dims();
@@ -65,23 +72,41 @@ impl DistanceStore {
                     0 => (dims, empty),
                     _ => blocks(dims, &empty, false),
                 };
-                let distance = chessboard(dims, &empty);
+                let (distance, clocks) = code(dims, &empty);
                 let edge = f64::from(1u32 << shift);
                 let steps = from_map(dims, |at| match distance[index(dims, at)] {
                     0 => 0,
                     d => leap((edge * f64::from(d - 1) + 1.0) / nominal_step, most),
                 });
-                Some(DistanceStore::of(dims, shift, steps))
+                Some(DistanceStore::of(dims, shift, steps, clocks))
             }
         }
     }
 
-    fn of(dims: [usize; 3], shift: u32, steps: Vec<u8>) -> DistanceStore {
+    fn of(dims: [usize; 3], shift: u32, steps: Vec<u8>, coding_clocks: u64) -> DistanceStore {
         DistanceStore {
             dims: dims.map(|n| n as i32),
             shift,
             steps,
+            coding_clocks,
         }
+    }
+
+    /// Words along x, y, z, and how many bits of a cell's coordinates they share.
+    pub(crate) fn words(&self) -> ([usize; 3], u32) {
+        (self.dims.map(|n| n as usize), self.shift)
+    }
+
+    /// A store as it was written, a word per cell of a volume of `dims` voxels; what was not written is 0.
+    pub(crate) fn of_words(dims: [usize; 3], words: &[u8]) -> DistanceStore {
+        let mut steps = words.to_vec();
+        steps.resize(dims.iter().product(), 0);
+        DistanceStore::of(dims, 0, steps, 0)
+    }
+
+    /// A word per cell of a volume of `dims` voxels.
+    pub(crate) fn cells(&self, dims: [usize; 3]) -> Vec<u8> {
+        from_map(dims, |at| self.steps(at.map(|c| c as i32)))
     }
 
     /// The distance word of a cell: steps to go, 0 where the cell is not empty or outside the store.

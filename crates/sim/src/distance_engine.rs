@@ -6,11 +6,14 @@
 //! them. Every comparator but the last has a register behind it, and the taps are that much earlier; therefore a row needs
 //! at least five columns. The last one joins the voxel just finished, which no register can make earlier.
 //!
-//! The plane has a column and a row of its own for what is outside, so that rows do not wrap into each other. The
-//! document's overlapping columns of a fixed base area are not here: a distance that comes from another column would be
-//! missed and be too large.
+//! [`chessboard`] codes a whole plane at once: it has a column and a row of its own for what is outside, so that rows do not
+//! wrap into each other. [`in_columns`] has a plane of fixed size and codes a volume column by column, as the document does:
+//! columns overlap by a margin that is fed and not written, and all finish the first pass before the second begins. Within the
+//! margin nothing is missed; beyond it a distance from another column can be, and rows that wrap can make others. Both show
+//! only in distances of more than the margin, so these are cut to margin + 1, which is never too far.
 
 use crate::distance::FARTHEST;
+use crate::spec::Engine;
 
 /// Two-input comparators of the circuit.
 pub const COMPARATORS: usize = 6;
@@ -145,6 +148,55 @@ pub fn chessboard(dims: [usize; 3], empty: &[bool]) -> (Vec<u8>, u64) {
     (distance, clocks)
 }
 
+/// Chessboard distances, at most margin + 1, by a circuit with a plane of fixed size, and the clocks that it takes.
+///
+/// # Panics
+/// If the margins leave nothing of the plane, or it is too small for the circuit.
+pub fn in_columns(dims: [usize; 3], empty: &[bool], engine: Engine) -> (Vec<u8>, u64) {
+    let [columns, rows, margin] = [engine.columns, engine.rows, engine.margin].map(|n| n as usize);
+    let inner = [columns - 2 * margin, rows - 2 * margin];
+    let farthest = (margin + 1).min(usize::from(FARTHEST)) as u8;
+    let length = columns * rows * dims[2];
+    let bases: Vec<[usize; 2]> = (0..dims[1])
+        .step_by(inner[1])
+        .flat_map(|y| (0..dims[0]).step_by(inner[0]).map(move |x| [x, y]))
+        .collect();
+    // Where a word of a column lies in the volume, and whether it is written.
+    let place = |base: [usize; 2], i: usize| {
+        let at = [i % columns, i / columns % rows];
+        let [x, y] = [0, 1].map(|axis| (base[axis] + at[axis]).checked_sub(margin));
+        let (x, y, z) = (x?, y?, i / (columns * rows));
+        let is_written = (0..2).all(|axis| (margin..margin + inner[axis]).contains(&at[axis]));
+        (x < dims[0] && y < dims[1]).then(|| (x + dims[0] * (y + dims[1] * z), is_written))
+    };
+    let mut clocks = 0;
+    let mut first = vec![FARTHEST; empty.len()];
+    for base in &bases {
+        let mut engine = DistanceEngine::new(columns, rows);
+        for i in 0..length {
+            let at = place(*base, i);
+            let word = engine.clock(at.map(|(at, _)| if empty[at] { FARTHEST } else { 0 }));
+            if let Some((at, true)) = at {
+                first[at] = word.min(farthest);
+            }
+        }
+        clocks += engine.clocks;
+    }
+    let mut distance = vec![FARTHEST; empty.len()];
+    for base in &bases {
+        let mut engine = DistanceEngine::new(columns, rows);
+        for i in (0..length).rev() {
+            let at = place(*base, i);
+            let word = engine.clock(at.map(|(at, _)| first[at]));
+            if let Some((at, true)) = at {
+                distance[at] = word.min(farthest);
+            }
+        }
+        clocks += engine.clocks;
+    }
+    (distance, clocks)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -160,6 +212,23 @@ mod tests {
             let (got, clocks) = chessboard(dims, &empty);
             prop_assert_eq!(got, crate::distance::chessboard(dims, &empty));
             prop_assert_eq!(clocks as usize, 2 * (nx + 1).max(5) * (ny + 1).max(2) * nz);
+        }
+
+        /// Columns of any size: the distances of the program, cut to the margin and one.
+        #[test]
+        fn columns_are_exact_within_their_margin(
+            nx in 1usize..24, ny in 1usize..18, nz in 1usize..7, seed in prop::collection::vec(0u8..60, 401),
+            columns in 5u32..14, rows in 3u32..12, margin in 1u32..6,
+        ) {
+            let margin = margin.min((columns.min(rows) - 1) / 2);
+            let dims = [nx, ny, nz];
+            let empty: Vec<bool> = (0..nx * ny * nz).map(|i| seed[(i * 3 + i / 11) % seed.len()] > 0).collect();
+            let (got, clocks) = in_columns(dims, &empty, Engine { columns, rows, margin, load_ms: 0 });
+            let exact = crate::distance::chessboard(dims, &empty);
+            let cut: Vec<u8> = exact.iter().map(|d| (*d).min(margin as u8 + 1)).collect();
+            prop_assert_eq!(got, cut);
+            let bases = nx.div_ceil((columns - 2 * margin) as usize) * ny.div_ceil((rows - 2 * margin) as usize);
+            prop_assert_eq!(clocks as usize, 2 * bases * (columns * rows) as usize * nz);
         }
     }
 }

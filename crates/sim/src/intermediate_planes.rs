@@ -6,96 +6,104 @@
 //! laid over each other by their nearest pixel.
 
 use crate::counters::Counters;
-use crate::processor::{Progress, run};
-use crate::spec::{Projection, Spec};
-use crate::volume_store::VolumeStore;
-use crate::{Error, Frame, Nobody};
+use crate::observer::{Nobody, Observer};
+use crate::processor::{Progress, Run, run};
+use crate::{Error, Frame};
 
-/// What drawing in slabs leaves.
-#[derive(Clone, Debug)]
-pub struct Slabs {
-    /// Pixels per row and rows of the densest slab, which is the last.
-    pub size: [u32; 2],
-    /// The picture, 0 to 1, first row at the top.
-    pub picture: Vec<f32>,
-    /// Counts of each slab, nearest first.
-    pub slabs: Vec<Counters>,
-    /// All counts together; slabs are drawn one after the other.
-    pub counters: Counters,
-    /// Whether all slabs are complete.
-    pub is_complete: bool,
-}
-
-/// Draws a frame in `slabs` slabs of equal depth.
+/// Draws a frame in `view.slabs` slabs of equal depth, one after the other: the picture has the density of the last.
 ///
 /// # Errors
-/// If the view is not in perspective, there are no slabs, or as [`Frame::new`].
-pub fn run_slabs(
-    spec: &Spec,
-    volume: &VolumeStore,
-    slabs: u32,
+/// As [`run`].
+pub(crate) fn run_slabs(
+    frame: &Frame,
+    observer: &mut impl Observer,
     progress: Progress,
-) -> Result<Slabs, Error> {
-    if spec.view.projection == Projection::Parallel {
-        let problem = "parallel rays do not spread: set it to perspective";
-        return Err(Error::field("view.projection", "parallel", problem));
-    }
-    let mut spec = spec.clone();
-    // The background lies behind the last slab.
-    let background = std::mem::replace(&mut spec.look.background, 0.0) as f32;
-    let frame = Frame::new(&spec, volume)?;
+) -> Result<Run, Error> {
     let planes = frame.setup.plane_count();
-    if slabs == 0 || slabs > planes {
-        return Err(Error::field(
-            "slabs",
-            slabs,
-            format!("they must be 1 to {planes}"),
-        ));
-    }
+    let slabs = frame.spec.view.slabs;
+    let mut frame = frame.clone();
+    // The background lies behind the last slab.
+    let background = std::mem::replace(&mut frame.spec.look.background, 0.0) as f32;
     let bound = |i: u32| (u64::from(planes) * u64::from(i) / u64::from(slabs)) as u32;
-    let threshold = spec.optimisation.termination_threshold as f32;
+    let threshold = frame.spec.optimisation.termination_threshold as f32;
+    let mut observer = Some(observer);
     let mut size = [1, 1];
-    let mut picture = vec![0.0f32];
+    let mut color = vec![[0.0f32; 3]];
     let mut passing = vec![1.0f32];
-    let mut counted = Vec::new();
+    let mut stalls = vec![0u32];
+    let mut changes = vec![0u32];
+    let mut clocks_of_part = Vec::new();
     let mut counters = Counters::default();
-    let mut is_complete = true;
+    let mut last: Option<Run> = None;
     for i in 0..slabs {
         let mut slab = frame.clone();
         slab.setup = frame.setup.slab([bound(i), bound(i + 1)], 1.0);
+        // Polygons behind the volume belong to the last slab.
+        let behind = if i + 1 == slabs {
+            u32::MAX
+        } else {
+            bound(i + 1)
+        };
+        slab.rasterise(bound(i)..behind);
         let next = slab.setup.size;
-        picture = denser(&picture, size, next);
+        color = denser(&color, size, next);
         passing = denser(&passing, size, next);
+        stalls = denser(&stalls, size, next);
+        changes = denser(&changes, size, next);
         size = next;
         // Rows of a setup go from the bottom, those of pictures from the top.
         let rows = passing.rchunks_exact(size[0] as usize).flatten();
         slab.setup.keep(rows.map(|p| *p >= threshold).collect());
-        let drawn = run(&slab, &mut Nobody, progress)?;
-        for pixel in 0..picture.len() {
-            picture[pixel] += passing[pixel] * drawn.picture[pixel];
+        let told =
+            |drawn: usize, all: usize| progress(all * i as usize + drawn, all * slabs as usize);
+        let drawn = match observer.take() {
+            Some(observer) => run(&slab, observer, &told)?,
+            None => run(&slab, &mut Nobody, &told)?,
+        };
+        for pixel in 0..color.len() {
+            let theirs = match &drawn.color {
+                Some(theirs) => theirs[pixel],
+                None => [drawn.picture[pixel]; 3],
+            };
+            for (c, theirs) in color[pixel].iter_mut().zip(theirs) {
+                *c += passing[pixel] * theirs;
+            }
             passing[pixel] *= drawn.passing[pixel];
+            stalls[pixel] += drawn.stalls_of_pixel[pixel];
+            changes[pixel] += drawn.thesis_changes_of_pixel[pixel];
         }
         counters.add(&drawn.counters);
-        counted.push(drawn.counters);
-        is_complete &= drawn.is_complete;
+        clocks_of_part.push(drawn.counters.clocks);
+        let is_complete = drawn.is_complete;
+        last = Some(drawn);
         if !is_complete {
             break;
         }
     }
-    for (pixel, passing) in picture.iter_mut().zip(passing) {
-        *pixel = (*pixel + passing * background).min(1.0);
+    for (pixel, passing) in color.iter_mut().zip(&passing) {
+        *pixel = pixel.map(|c| (c + passing * background).min(1.0));
     }
-    Ok(Slabs {
+    let is_color = frame.materials.is_some();
+    let grey = |p: &[f32; 3]| match is_color {
+        true => (p[0] + p[1] + p[2]) / 3.0,
+        false => p[0],
+    };
+    Ok(Run {
         size,
-        picture,
-        slabs: counted,
+        picture: color.iter().map(grey).collect(),
+        color: is_color.then_some(color),
+        ended_early: passing.iter().map(|p| *p < threshold).collect(),
+        passing,
+        stalls_of_pixel: stalls,
+        thesis_changes_of_pixel: changes,
         counters,
-        is_complete,
+        clocks_of_part,
+        is_complete: last.is_some_and(|run| run.is_complete),
     })
 }
 
 /// A picture at another density, by the nearest pixel.
-fn denser(pixels: &[f32], from: [u32; 2], to: [u32; 2]) -> Vec<f32> {
+fn denser<T: Copy>(pixels: &[T], from: [u32; 2], to: [u32; 2]) -> Vec<T> {
     let nearest = |i: u32, axis: usize| {
         let at = (u64::from(i) * 2 + 1) * u64::from(from[axis]) / (2 * u64::from(to[axis]));
         at.min(u64::from(from[axis]) - 1) as usize

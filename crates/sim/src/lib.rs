@@ -22,13 +22,17 @@
 //! ```
 //!
 //! In reading order: [`spec`], [`messages`], [`processor`], [`stages`], [`ray_queue`], [`memory`], [`dram`],
-//! [`distance`], [`rays`].
+//! [`distance`], [`rays`], [`mod@picture`].
 
 pub mod spec;
 
 pub mod messages;
 
 mod latch;
+
+mod data_path;
+
+mod values_ahead;
 
 pub mod processor;
 
@@ -48,15 +52,27 @@ pub mod distance_engine;
 
 pub mod adaptive;
 
+pub mod picture;
+
 pub mod merge;
 
 pub mod intermediate_planes;
+
+pub mod polygons;
+
+pub mod deformation;
+
+mod shadow;
 
 pub mod rays;
 
 pub mod frame;
 
 pub mod host;
+
+pub mod local_bus;
+
+pub mod host_script;
 
 pub mod counters;
 
@@ -87,6 +103,7 @@ pub use error::Error;
 pub use frame::Frame;
 pub use jaw::jaw;
 pub use observer::{Nobody, Observer, Wires};
+pub use picture::{Picture, Subject, draw};
 pub use processor::{Progress, Run, no_progress, run};
 pub use spec::Spec;
 pub use volume_store::VolumeStore;

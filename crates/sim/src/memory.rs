@@ -15,10 +15,22 @@ pub struct Access {
     pub refresh_clocks: u32,
     /// Clocks that it is held because one module cannot deliver eight words at once, or because of bursts.
     pub serial_clocks: u32,
+    /// Clocks that the distance store holds it beyond these.
+    pub distance_clocks: u32,
+    /// Rows of the distance store opened.
+    pub distance_misses: u32,
     /// Rows opened, over all modules.
     pub module_misses: u32,
     /// Whether the document's counter sees a change.
     pub thesis_changes: u32,
+}
+
+impl Access {
+    /// Clocks that the pipeline is held.
+    #[inline(always)]
+    pub fn clocks(&self) -> u32 {
+        self.row_clocks + self.refresh_clocks + self.serial_clocks + self.distance_clocks
+    }
 }
 
 /// The memory of one processor.
@@ -31,6 +43,19 @@ pub struct Memory {
     /// Open row of each bank, all modules being alike, by the document's counter.
     open_block: Vec<u32>,
     rows: Rows,
+    distances: Option<DistanceRows>,
+    /// Whether a read whose rows are open cannot wait for anything.
+    is_quick: bool,
+}
+
+/// The module of the distance store.
+#[derive(Clone, Debug)]
+struct DistanceRows {
+    layout: VoxelLayout,
+    /// Bits of a cell's coordinates that share a word.
+    shift: u32,
+    /// Open row of each bank.
+    open: Vec<u32>,
 }
 
 #[derive(Clone, Debug)]
@@ -90,8 +115,25 @@ impl Memory {
                 // The document's figures for one module count every read.
                 _ => RowRule::Exact,
             },
+            is_quick: is_plain
+                && t.refresh_interval == 0
+                && t.longest_open == 0
+                && spec.model == MemoryModel::M8,
             rows,
+            distances: None,
         }
+    }
+
+    /// With a distance store whose rows are to be opened too: its layout, and the bits of a cell's coordinates that share a
+    /// word.
+    pub fn with_distances(mut self, store: Option<(VoxelLayout, u32)>) -> Memory {
+        self.is_quick &= store.is_none();
+        self.distances = store.map(|(layout, shift)| DistanceRows {
+            open: vec![CLOSED; layout.banks],
+            layout,
+            shift,
+        });
+        self
     }
 
     /// The layout of the voxels.
@@ -99,36 +141,49 @@ impl Memory {
         &self.layout
     }
 
-    /// Reads the neighbours of a cell, beginning at clock `now`.
-    #[inline]
+    /// Whether all rows that a read of this cell needs are open by both counters and it cannot wait for anything, which is so
+    /// of nearly every read: then it changes nothing and need not be made.
+    #[inline(always)]
+    pub fn is_open(&self, cell: [i32; 3]) -> bool {
+        if let Rows::Sdr(sdr) = &self.rows
+            && self.is_quick
+            && self.layout.is_one_row(cell)
+        {
+            let place = self.layout.place(cell);
+            let bank = place.bank as usize;
+            return sdr.agreed[bank] == place.row && self.open_block[bank] == place.row;
+        }
+        false
+    }
+
+    /// Reads the neighbours of a cell and its distance, beginning at clock `now`.
+    #[inline(never)]
     pub fn access(&mut self, now: u64, cell: [i32; 3]) -> Access {
-        let mut access = match &mut self.rows {
-            Rows::Sdr(sdr) => {
-                if sdr.refresh_interval == 0
-                    && sdr.longest_open == 0
-                    && self.layout.is_one_row(cell)
-                    && self.layout.modules == 8
-                {
-                    let place = self.layout.place(cell);
-                    let bank = place.bank as usize;
-                    if sdr.agreed[bank] == place.row {
-                        let mut access = Access::default();
-                        if self.open_block[bank] != place.row {
-                            access.thesis_changes = 1;
-                            if self.rule == RowRule::Thesis {
-                                access.row_clocks = open_clocks(
-                                    self.open_block[bank],
-                                    self.precharge,
-                                    self.activate,
-                                );
-                            }
-                            self.open_block[bank] = place.row;
-                        }
-                        return access;
-                    }
-                }
-                sdr.access(now, cell, &self.layout, self.precharge, self.activate)
+        let mut access = self.access_voxels(now, cell);
+        if let Some(distances) = &mut self.distances {
+            if access.refresh_clocks > 0 {
+                distances.open.fill(CLOSED);
             }
+            let word = cell.map(|c| c >> distances.shift);
+            if distances.layout.is_valid(word) {
+                let place = distances.layout.place(word);
+                let open = &mut distances.open[place.bank as usize];
+                if *open != place.row {
+                    let clocks = open_clocks(*open, self.precharge, self.activate);
+                    access.distance_misses = 1;
+                    access.distance_clocks =
+                        clocks.saturating_sub(access.row_clocks + access.serial_clocks);
+                    *open = place.row;
+                }
+            }
+        }
+        access
+    }
+
+    /// Reads the neighbours of a cell.
+    fn access_voxels(&mut self, now: u64, cell: [i32; 3]) -> Access {
+        let mut access = match &mut self.rows {
+            Rows::Sdr(sdr) => sdr.access(now, cell, &self.layout, self.precharge, self.activate),
             Rows::Dram(dram) => dram.access(now, cell, &self.layout),
         };
         if self.layout.modules == 8 {

@@ -1,8 +1,9 @@
 //! Every word on every wire, with its width.
 
-use crate::spec::Spec;
+use crate::spec::{Shadow, Spec};
 
-/// Number of a ray in the parameter RAM: it holds two tiles, the second half is the other one.
+/// Number of a ray in the parameter RAM: it holds two tiles, the second half is the other one. Light rays have numbers
+/// behind both.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Slot(pub u16);
 
@@ -25,15 +26,34 @@ pub struct Read {
     pub steps: u8,
     /// Distance from the image plane in steps: what polygons are compared with.
     pub plane: u16,
+    /// Whose light is asked for, of a light ray: its pixel.
+    pub pixel: u32,
 }
 
-/// Address generator → queue, over the sort bus: a ray that goes on.
+/// Address generator → queue, over the sort bus: a ray that goes on. One word, so that it stays in a register: key, number, and
+/// whether there is a key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Return {
+pub struct Return(u64);
+
+impl Return {
+    /// A ray with its key, or none if it is at its end.
+    #[inline(always)]
+    pub fn new(slot: Slot, key: Option<u32>) -> Return {
+        let has_key = u64::from(key.is_some());
+        Return(u64::from(key.unwrap_or(0)) | u64::from(slot.0) << 32 | has_key << 48)
+    }
+
     /// Which ray.
-    pub slot: Slot,
+    #[inline(always)]
+    pub fn slot(self) -> Slot {
+        Slot((self.0 >> 32) as u16)
+    }
+
     /// Its key, or none if it is at its end.
-    pub key: Option<u32>,
+    #[inline(always)]
+    pub fn key(self) -> Option<u32> {
+        (self.0 >> 48 != 0).then_some(self.0 as u32)
+    }
 }
 
 /// Interpolator → classification.
@@ -49,6 +69,8 @@ pub struct Sample {
     pub steps: u8,
     /// As in [`Read`].
     pub plane: u16,
+    /// As in [`Read`].
+    pub pixel: u32,
 }
 
 /// Classification → absorption.
@@ -66,6 +88,8 @@ pub struct Classified {
     pub plane: u16,
     /// The word that was classified, for its material.
     pub word: u16,
+    /// As in [`Read`].
+    pub pixel: u32,
 }
 
 /// Absorption → shading: what is still visible of a sample.
@@ -113,7 +137,8 @@ pub struct Wire {
 pub fn wires(spec: &Spec) -> Vec<Wire> {
     let w = &spec.widths;
     let rays = spec.queue.bundle[0] * spec.queue.bundle[1];
-    let slot = (2 * rays).next_power_of_two().trailing_zeros();
+    let passes = if spec.shadow == Shadow::None { 1 } else { 2 };
+    let slot = (2 * passes * rays).next_power_of_two().trailing_zeros();
     let position = 1 + w.position_integer + w.position_fraction;
     let gradient = 1 + w.data + w.lerp_guard;
     let wire = |unit, name, bits, meaning| Wire {
@@ -129,6 +154,12 @@ pub fn wires(spec: &Spec) -> Vec<Wire> {
         wire("address", "x", position, "position along x, fixed point"),
         wire("address", "y", position, "position along y, fixed point"),
         wire("address", "z", position, "position along z, fixed point"),
+        wire(
+            "address",
+            "plane",
+            w.key,
+            "distance from the image plane in steps, for polygons and the buffer of shadows",
+        ),
         wire("memory", "freeze", 1, "the memory holds everything"),
         wire(
             "memory",

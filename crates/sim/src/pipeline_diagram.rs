@@ -144,7 +144,7 @@ impl Observer for PipelineDiagram {
             rays: [
                 w.issue.map(|r| r.slot.0),
                 w.data.map(|r| r.slot.0),
-                w.sort.map(|s| s.slot.0),
+                w.sort.map(|s| s.slot().0),
                 w.sample.map(|s| s.slot.0),
                 w.classified.map(|c| c.slot.0),
                 w.visible.map(|v| v.slot.0),

@@ -11,19 +11,18 @@
 
 use crate::Error;
 use crate::counters::Counters;
-use crate::frame::{Fragment, Frame};
+use crate::data_path::{DataPath, Light, RayValue, Step};
+use crate::frame::Frame;
 use crate::latch::Delay;
 use crate::memory::{Access, Memory};
 use crate::messages::{Classified, Lit, Read, Return, Sample, Slot, Terminate, Visible};
 use crate::observer::{Nobody, Observer, Wires};
 use crate::ray_queue::{Rank, SortedQueue, Waiting};
 use crate::rays::Ray;
-use crate::spec::{Classification, Handover, Leaping, Order, Reconstruction, Scheduling};
-use crate::stages::absorb::Absorber;
+use crate::shadow::ShadowUnit;
+use crate::spec::{Handover, Order, Scheduling, Shadow};
 use crate::stages::address::AddressGenerator;
-use crate::stages::composite::Compositor;
-use crate::stages::interpolate::Interpolator;
-use crate::stages::shade::length;
+use crate::values_ahead::ValuesAhead;
 use std::ops::ControlFlow;
 
 /// What a run leaves.
@@ -45,6 +44,8 @@ pub struct Run {
     pub ended_early: Vec<bool>,
     /// All counts.
     pub counters: Counters,
+    /// Clocks of every slab or board, if there are several.
+    pub clocks_of_part: Vec<u64>,
     /// Whether all tiles are drawn, or somebody stopped the run.
     pub is_complete: bool,
 }
@@ -62,23 +63,66 @@ pub fn no_progress(_drawn: usize, _total: usize) -> ControlFlow<()> {
 /// # Errors
 /// None today; what can be wrong is found by [`Frame::new`].
 pub fn run(frame: &Frame, observer: &mut impl Observer, progress: Progress) -> Result<Run, Error> {
+    let in_background = frame.spec.queue.scheduling != Scheduling::Freeze;
+    let mut memory = Memory::new(&frame.spec.memory, frame.layout.clone(), in_background)
+        .with_distances(frame.distance_layout.clone());
+    run_on(frame, &mut memory, 0, observer, progress)
+}
+
+/// Runs a frame from a clock on, with a memory that has been used before it.
+pub(crate) fn run_on<O: Observer>(
+    frame: &Frame,
+    memory: &mut Memory,
+    begin: u64,
+    observer: &mut O,
+    progress: Progress,
+) -> Result<Run, Error> {
+    // Light goes from ray to ray, and when a polygon is passed is seen on the way.
+    let is_known = !O::LOOKS && frame.fragments.is_none() && frame.spec.shadow == Shadow::None;
+    if !is_known {
+        return run_as::<O, false>(frame, None, memory, begin, observer, progress);
+    }
+    let ahead = ValuesAhead::new(frame);
+    rayon::in_place_scope(|scope| {
+        // This thread is one of them.
+        for _ in 1..rayon::current_num_threads() {
+            scope.spawn(|_| ahead.work());
+        }
+        let drawn = run_as::<O, true>(frame, Some(&ahead), memory, begin, observer, progress);
+        ahead.stop();
+        drawn
+    })
+}
+
+fn run_as<O: Observer, const KNOWN: bool>(
+    frame: &Frame,
+    ahead: Option<&ValuesAhead>,
+    memory: &mut Memory,
+    begin: u64,
+    observer: &mut O,
+    progress: Progress,
+) -> Result<Run, Error> {
     let spec = &frame.spec;
     let pipelines = spec.queue.pipelines as usize;
-    let in_background = spec.queue.scheduling != Scheduling::Freeze;
-    let mut memory = Memory::new(&spec.memory, frame.layout.clone(), in_background);
     let mut nobody = vec![Nobody; pipelines - 1];
-    let mut first = Processor::new(frame, observer, 0);
-    let mut others: Vec<_> = nobody
+    let mut first = Processor::<O, KNOWN>::new(frame, observer, 0);
+    let mut others: Vec<Processor<Nobody, KNOWN>> = nobody
         .iter_mut()
         .enumerate()
         .map(|(i, nobody)| Processor::new(frame, nobody, i + 1))
         .collect();
+    first.clock = begin;
+    first.ahead = ahead;
+    for other in &mut others {
+        other.clock = begin;
+        other.ahead = ahead;
+    }
     let mut turn = 0;
     let mut told = 0;
     let mut is_complete = true;
     while !(first.is_done() && others.iter().all(Processor::is_done)) {
         if others.is_empty() {
-            let frozen = first.tick(&mut memory, true, 0);
+            let frozen = first.tick(memory, true, 0);
             first.advance(frozen);
         } else {
             // The memory takes so many reads per clock, in turn; whoever waits for a row holds all.
@@ -87,8 +131,8 @@ pub fn run(frame: &Frame, observer: &mut impl Observer, progress: Progress) -> R
             for k in 0..pipelines {
                 let pipeline = (turn + k) % pipelines;
                 let (held, has_read) = match pipeline.checked_sub(1) {
-                    None => first.tick_counted(&mut memory, ports > 0, frozen),
-                    Some(i) => others[i].tick_counted(&mut memory, ports > 0, frozen),
+                    None => first.tick_counted(memory, ports > 0, frozen),
+                    Some(i) => others[i].tick_counted(memory, ports > 0, frozen),
                 };
                 ports -= u32::from(has_read);
                 frozen += held;
@@ -112,7 +156,9 @@ pub fn run(frame: &Frame, observer: &mut impl Observer, progress: Progress) -> R
         .into_iter()
         .map(|other| (other.counters, other.results))
         .collect();
-    Ok(first.finish(others, &mut memory, is_complete))
+    let mut run = first.finish(others, memory, is_complete);
+    run.counters.clocks -= begin;
+    Ok(run)
 }
 
 /// Half of the parameter RAM: the tile in it.
@@ -128,31 +174,25 @@ struct Half {
     rays_left: usize,
     /// Samples on their way through the data path.
     samples: usize,
+    /// News of ended rays on their way to the queue, which would be taken for that of the next tile's.
+    news: usize,
     /// When its parameters are there.
     arrives: u64,
 }
 
-/// State of a ray in the data path.
-#[derive(Clone, Copy, Debug, Default)]
-struct Light {
-    passing: u32,
-    accumulator: [u32; 3],
-    /// The polygon in front of which the ray still is.
-    fragment: Option<Fragment>,
-    /// Word (pre-integration) or opacity (adaptive sampling) of the sample before.
-    before: u32,
-    has_ended: bool,
-}
+/// A sample on its way, if what becomes of its ray is known: number of the ray, and whether the sample ends it.
+#[derive(Clone, Copy, Debug)]
+struct Token(u32);
 
 /// A processor in the middle of a frame.
-pub struct Processor<'f, O> {
+///
+/// If `KNOWN`, what becomes of every ray is computed ahead, on all cores, and only its samples' places in the
+/// pipeline are followed: the same picture and the same counts, as a test compares, but no words for an observer.
+pub struct Processor<'f, O, const KNOWN: bool> {
     frame: &'f Frame,
     observer: &'f mut O,
     // Units.
-    generator: AddressGenerator,
-    interpolator: Interpolator,
-    absorber: Absorber,
-    compositor: Compositor,
+    path: DataPath<'f>,
     // State of the ray manager.
     queue: SortedQueue,
     rays: Vec<Ray>,
@@ -160,8 +200,10 @@ pub struct Processor<'f, O> {
     ended: Vec<bool>,
     /// Steps since the sample before, as far as they are to be interpolated.
     gaps: Vec<u8>,
-    halves: [Half; 2],
+    /// Two for tiles, two for the light rays of a tile.
+    halves: [Half; 4],
     half_size: usize,
+    shadow: Option<ShadowUnit>,
     next_tile: usize,
     /// From one tile to the next: the number of pipelines.
     stride: usize,
@@ -170,6 +212,9 @@ pub struct Processor<'f, O> {
     bus_free: u64,
     // State of the data path.
     light: Vec<Light>,
+    /// What is known of the rays in the parameter RAM, and of all.
+    known: Vec<RayValue>,
+    ahead: Option<&'f ValuesAhead<'f>>,
     // Latches.
     to_sort: Delay<Return>,
     to_interpolate: Delay<Read>,
@@ -179,6 +224,8 @@ pub struct Processor<'f, O> {
     to_composite: Delay<Lit>,
     to_tile: Delay<Lit>,
     to_queue: Delay<Terminate>,
+    known_to_absorb: Delay<Token>,
+    known_to_tile: Delay<Slot>,
     // Results.
     clock: u64,
     /// Counts so far.
@@ -195,47 +242,53 @@ struct Results {
     ended_early: Vec<bool>,
 }
 
-impl<'f, O: Observer> Processor<'f, O> {
+impl<'f, O: Observer, const KNOWN: bool> Processor<'f, O, KNOWN> {
     /// Before the first clock; `pipeline` is which of `queue.pipelines` it is.
-    pub fn new(frame: &'f Frame, observer: &'f mut O, pipeline: usize) -> Processor<'f, O> {
+    pub fn new(frame: &'f Frame, observer: &'f mut O, pipeline: usize) -> Self {
         let spec = &frame.spec;
         let widths = &spec.widths;
         let l = &spec.latency;
         let half_size = (spec.queue.bundle[0] * spec.queue.bundle[1]) as usize;
+        let slots = if spec.shadow == Shadow::None { 2 } else { 4 } * half_size;
         let pixels = frame.setup.pixel_count();
-        let compositor = Compositor {
-            intensity: widths.intensity,
-            fraction: widths.accumulator_fraction,
-            transmittance: widths.transmittance,
-        };
         let background = spec.look.background.clamp(0.0, 1.0) as f32;
+        let mut picture = vec![[background; 3]; pixels];
+        let mut passing = vec![1.0; pixels];
+        // Where no ray is sent, the host shows the polygon itself.
+        for (pixel, fragment) in frame.fragments.iter().flat_map(|f| f.iter().enumerate()) {
+            if let Some(fragment) = fragment {
+                let share = |word: u32, bits: u32| word as f32 / ((1u32 << bits) - 1) as f32;
+                let opacity = share(fragment.opacity, widths.data);
+                passing[pixel] = 1.0 - opacity;
+                picture[pixel] = fragment.intensity.map(|intensity| {
+                    share(intensity, widths.intensity) * opacity + background * (1.0 - opacity)
+                });
+            }
+        }
         let mut processor = Processor {
             frame,
             observer,
-            generator: AddressGenerator::new(widths.position_fraction, widths.fraction),
-            interpolator: Interpolator {
-                fraction: widths.fraction,
-                guard: widths.lerp_guard,
-            },
-            absorber: Absorber {
-                data: widths.data,
-                transmittance: widths.transmittance,
-                threshold: (spec.optimisation.termination_threshold
-                    * f64::from(1u32 << widths.transmittance))
-                .round() as u32,
-            },
-            compositor,
+            path: DataPath::new(frame),
             queue: SortedQueue::new(half_size),
-            rays: vec![Ray::default(); 2 * half_size],
-            ended: vec![false; 2 * half_size],
-            gaps: vec![1; 2 * half_size],
-            halves: [Half::default(), Half::default()],
+            rays: vec![Ray::default(); slots],
+            ended: vec![false; slots],
+            gaps: vec![1; slots],
+            halves: Default::default(),
             half_size,
+            shadow: ShadowUnit::new(frame),
             next_tile: pipeline,
             stride: spec.queue.pipelines as usize,
             returning: 0,
             bus_free: 0,
-            light: vec![Light::default(); 2 * half_size],
+            light: vec![Light::default(); slots],
+            known: vec![
+                RayValue {
+                    end_plane: u32::MAX,
+                    light: Light::default()
+                };
+                if KNOWN { slots } else { 0 }
+            ],
+            ahead: None,
             to_sort: Delay::new(l.parameter + l.memory + l.multiply + l.add + l.sort),
             to_interpolate: Delay::new(l.parameter + l.memory),
             to_classify: Delay::new(3 * l.lerp),
@@ -244,11 +297,13 @@ impl<'f, O: Observer> Processor<'f, O> {
             to_composite: Delay::new(l.shade),
             to_tile: Delay::new(l.composite),
             to_queue: Delay::new(l.absorb + l.terminate),
+            known_to_absorb: Delay::new(l.parameter + l.memory + 3 * l.lerp + l.classify),
+            known_to_tile: Delay::new(l.absorb + l.shade + l.composite),
             clock: 0,
             counters: Counters::default(),
             results: Results {
-                picture: vec![[background; 3]; pixels],
-                passing: vec![1.0; pixels],
+                picture,
+                passing,
                 stalls_of_pixel: vec![0; pixels],
                 thesis_changes_of_pixel: vec![0; pixels],
                 ended_early: vec![false; pixels],
@@ -263,9 +318,15 @@ impl<'f, O: Observer> Processor<'f, O> {
     /// Whether the last result is there.
     #[inline(always)]
     pub fn is_done(&self) -> bool {
-        self.next_tile >= self.frame.setup.tile_count()
-            && !self.halves[0].is_active
+        self.next_tile >= self.frame.setup.tile_count() && self.is_idle()
+    }
+
+    /// Whether no tile is in the parameter RAM.
+    #[inline(always)]
+    fn is_idle(&self) -> bool {
+        !self.halves[0].is_active
             && !self.halves[1].is_active
+            && (self.shadow.is_none() || !self.halves[2].is_active && !self.halves[3].is_active)
     }
 
     /// As [`tick`](Processor::tick), and whether there was a read.
@@ -285,33 +346,31 @@ impl<'f, O: Observer> Processor<'f, O> {
     /// is how long other pipelines already hold it, `may_read` whether it has a port left.
     #[inline(always)]
     pub fn tick(&mut self, memory: &mut Memory, may_read: bool, held: u32) -> u32 {
+        if KNOWN {
+            return self.tick_known(memory, may_read, held);
+        }
         let composited = self.to_tile.output();
         if let Some(lit) = composited {
-            self.composite(lit);
+            self.path.composite(&mut self.light[lit.slot.index()], lit);
+            self.end_sample(lit.slot);
         }
         let lit = self.to_composite.output();
         let visible = self.to_shade.output();
-        let to_composite = visible.map(|visible| self.shade(visible));
+        let to_composite = visible.map(|visible| self.path.shade(visible));
         let classified = self.to_absorb.output();
         let (to_shade, to_queue) = classified.map_or((None, None), |word| self.absorb(word));
         let sample = self.to_classify.output();
-        let to_absorb = sample.map(|sample| self.classify(sample));
+        let to_absorb = sample.map(|sample| {
+            self.path
+                .classify(&mut self.light[sample.slot.index()], sample)
+        });
         let data = self.to_interpolate.output();
-        let to_classify = data.map(|read| self.interpolate(read));
+        let to_classify = data.map(|read| self.path.interpolate(read));
         let terminate = self.to_queue.output();
-        if let Some(Terminate(slot)) = terminate {
-            self.ended[slot.index()] = true;
-        }
         let sort = self.to_sort.output();
-        let is_sort_bus_free = match sort {
-            Some(back) => !self.take_back(back),
-            None => true,
-        };
-        self.feed(is_sort_bus_free);
+        self.manage(terminate, sort);
         let waiting = self.queue.len();
-        let (issue, is_sample, back, access) = self.issue(memory, may_read, held);
-
-        let frozen = access.row_clocks + access.refresh_clocks + access.serial_clocks;
+        let (issue, is_sample, back, frozen) = self.issue(memory, may_read, held);
         if O::LOOKS {
             self.observer.clock(&Wires {
                 clock: self.clock,
@@ -340,23 +399,73 @@ impl<'f, O: Observer> Processor<'f, O> {
         frozen
     }
 
+    /// A clock in which no word is made, only where samples are.
+    #[inline(always)]
+    fn tick_known(&mut self, memory: &mut Memory, may_read: bool, held: u32) -> u32 {
+        if let Some(slot) = self.known_to_tile.output() {
+            self.end_sample(slot);
+        }
+        let mut to_tile = None;
+        let mut to_queue = None;
+        if let Some(Token(word)) = self.known_to_absorb.output() {
+            let (slot, ends) = (Slot(word as u16), word >> 16 != 0);
+            let has_ended = &mut self.light[slot.index()].has_ended;
+            if *has_ended {
+                self.counters.wasted_samples += 1;
+                self.end_sample(slot);
+            } else {
+                *has_ended = ends;
+                to_tile = Some(slot);
+                to_queue = self.terminate(slot, ends);
+            }
+        }
+        self.manage(self.to_queue.output(), self.to_sort.output());
+        let (issue, is_sample, back, frozen) = self.issue(memory, may_read, held);
+        let token = issue.filter(|_| is_sample).map(|read| {
+            let ends = self.known[read.slot.index()].end_plane == u32::from(read.plane);
+            Token(u32::from(read.slot.0) | u32::from(ends) << 16)
+        });
+        // The clock edge.
+        self.known_to_tile.shift(to_tile);
+        self.to_queue.shift(to_queue);
+        self.known_to_absorb.shift(token);
+        self.to_sort.shift(back);
+        frozen
+    }
+
+    /// The ray manager before it lets a ray out: who has ended, who comes back, who is new.
+    #[inline(always)]
+    fn manage(&mut self, terminate: Option<Terminate>, sort: Option<Return>) {
+        if let Some(Terminate(slot)) = terminate {
+            self.ended[slot.index()] = true;
+            let half = self.half_of(slot);
+            self.halves[half].news -= 1;
+            self.finish_tile(half);
+        }
+        let is_sort_bus_free = match sort {
+            Some(back) => !self.take_back(back),
+            None => true,
+        };
+        self.feed(is_sort_bus_free);
+    }
+
     // ----- ray manager -----
 
     /// A ray comes back over the sort bus; whether it does, or is at its end.
     #[inline(always)]
     fn take_back(&mut self, back: Return) -> bool {
-        let half = self.half_of(back.slot);
-        let Some(key) = back.key else {
+        let half = self.half_of(back.slot());
+        let Some(key) = back.key() else {
             self.end_ray(half);
             return false;
         };
         self.returning -= 1;
-        if self.ended[back.slot.index()] {
-            self.drop_ended(back.slot);
+        if self.ended[back.slot().index()] {
+            self.drop_ended(back.slot());
             return false;
         }
         self.queue.insert(Waiting {
-            slot: back.slot,
+            slot: back.slot(),
             rank: Rank::new(self.halves[half].tile, key),
         });
         true
@@ -378,13 +487,13 @@ impl<'f, O: Observer> Processor<'f, O> {
                 }
             }
             Handover::WhenDone => {
-                if !self.halves[0].is_active && !self.halves[1].is_active {
+                if self.is_idle() {
                     self.begin_tile();
                     while self.feed_one() {}
                 }
             }
             Handover::Serial => {
-                if !self.halves[0].is_active && !self.halves[1].is_active {
+                if self.is_idle() {
                     self.begin_tile();
                 }
                 if self.has_pending() {
@@ -403,7 +512,7 @@ impl<'f, O: Observer> Processor<'f, O> {
     }
 
     fn has_pending(&self) -> bool {
-        !self.halves[0].pending.is_empty() || !self.halves[1].pending.is_empty()
+        self.halves.iter().any(|half| !half.pending.is_empty())
     }
 
     /// One pending ray enters, if a stage is free.
@@ -411,12 +520,9 @@ impl<'f, O: Observer> Processor<'f, O> {
         if self.queue.len() + self.returning >= self.half_size {
             return false;
         }
-        let [a, b] = &self.halves;
-        let half = match (a.pending.is_empty(), b.pending.is_empty()) {
-            (true, true) => return false,
-            (false, true) => 0,
-            (true, false) => 1,
-            (false, false) => usize::from(b.tile < a.tile),
+        let waiting = (0..4).filter(|half| !self.halves[*half].pending.is_empty());
+        let Some(half) = waiting.min_by_key(|half| self.halves[*half].tile) else {
+            return false;
         };
         let tile = self.halves[half].tile;
         if let Some((slot, key)) = self.halves[half].pending.pop() {
@@ -430,6 +536,9 @@ impl<'f, O: Observer> Processor<'f, O> {
 
     /// Takes the next tile that has rays into a free half of the parameter RAM.
     fn begin_tile(&mut self) {
+        if self.shadow.is_some() {
+            return self.begin_pass();
+        }
         loop {
             if self.next_tile >= self.frame.setup.tile_count() {
                 return;
@@ -443,45 +552,104 @@ impl<'f, O: Observer> Processor<'f, O> {
             }
             let tile = self.next_tile;
             self.next_tile += self.stride;
-            let rays = self.frame.setup.tile(tile);
+            let rays = self.rays_of(tile);
             if rays.is_empty() {
                 // Nothing is sent for it, and it has no result.
                 self.counters.tiles += 1;
                 continue;
             }
-            self.observer.tile(self.clock, tile, half);
-            let first = half * self.half_size;
-            let mut pending: Vec<(Slot, u32)> = Vec::with_capacity(rays.len());
-            for (i, ray) in rays.iter().enumerate() {
-                let slot = first + i;
-                self.rays[slot] = *ray;
-                self.ended[slot] = false;
-                self.gaps[slot] = 1;
-                self.light[slot] = Light {
-                    passing: self.absorber.full(),
-                    fragment: self
-                        .frame
-                        .fragments
-                        .as_ref()
-                        .and_then(|f| f[ray.pixel as usize]),
-                    ..Light::default()
-                };
-                self.counters.samples += u64::from(ray.remaining);
-                pending.push((Slot(slot as u16), self.key(ray)));
-            }
-            self.counters.rays += rays.len() as u64;
-            // Taken from the end: smallest key last, and the first of equal ones last.
-            pending.reverse();
-            pending.sort_by_key(|(_, key)| std::cmp::Reverse(*key));
-            let state = &mut self.halves[half];
-            state.is_active = true;
-            state.tile = tile as u32;
-            state.pending = pending;
-            state.rays = rays.len();
-            state.rays_left = rays.len();
-            state.samples = 0;
-            return;
+            return self.fill_half(half, tile, rays);
         }
+    }
+
+    /// The rays of a tile.
+    fn rays_of(&self, tile: usize) -> Vec<Ray> {
+        match self.ahead {
+            None => self.frame.setup.tile(tile),
+            Some(ahead) => ahead.tile(tile).iter().map(|(ray, _)| *ray).collect(),
+        }
+    }
+
+    /// With shadows a tile is two passes: its light rays, some planes at a time, then its view rays. A pass begins when all
+    /// reads of the one before are on their way.
+    fn begin_pass(&mut self) {
+        let Some(shadow) = &mut self.shadow else {
+            return;
+        };
+        let is_on_its_way = |halves: &[Half]| halves.iter().all(|half| half.rays_left == 0);
+        let half = self.next_tile % 2;
+        loop {
+            let Some((tile, next_plane, behind)) = shadow.pass else {
+                if self.next_tile >= self.frame.setup.tile_count()
+                    || !is_on_its_way(&self.halves[..2])
+                    || self.halves[half].is_active
+                    || (self.frame.spec.host.is_waited_for
+                        && self.halves[half].arrives > self.clock)
+                {
+                    return;
+                }
+                let tile = shadow.tile_at(self.next_tile);
+                shadow.begin(tile, &self.frame.setup.tile(tile));
+                continue;
+            };
+            if next_plane == behind {
+                if !is_on_its_way(&self.halves[2..]) {
+                    return;
+                }
+                shadow.pass = None;
+                self.next_tile += 1;
+                let rays = self.frame.setup.tile(tile);
+                if rays.is_empty() {
+                    self.counters.tiles += 1;
+                    return;
+                }
+                return self.fill_half(half, tile, rays);
+            }
+            let Some(free) = (2..4).find(|half| !self.halves[*half].is_active) else {
+                return;
+            };
+            let (rays, samples) = shadow.next_rays();
+            self.counters.light_samples += samples;
+            if !rays.is_empty() {
+                return self.fill_half(free, tile, rays);
+            }
+        }
+    }
+
+    /// The rays of a tile, or its light rays, wait for the queue.
+    fn fill_half(&mut self, half: usize, tile: usize, rays: Vec<Ray>) {
+        let is_view = half < 2;
+        if is_view {
+            self.observer.tile(self.clock, tile, half);
+        }
+        let first = half * self.half_size;
+        let mut pending: Vec<(Slot, u32)> = Vec::with_capacity(rays.len());
+        for (i, ray) in rays.iter().enumerate() {
+            let slot = first + i;
+            self.rays[slot] = *ray;
+            self.ended[slot] = false;
+            self.gaps[slot] = 1;
+            self.light[slot] = self.path.light(ray);
+            if let Some(ahead) = self.ahead {
+                self.known[slot] = ahead.tile(tile)[i].1;
+            }
+            let samples = if is_view { ray.remaining } else { 0 };
+            self.counters.samples += u64::from(samples);
+            pending.push((Slot(slot as u16), self.key(ray)));
+        }
+        if is_view {
+            self.counters.rays += rays.len() as u64;
+        }
+        // Taken from the end: smallest key last, and the first of equal ones last.
+        pending.reverse();
+        pending.sort_by_key(|(_, key)| std::cmp::Reverse(*key));
+        let state = &mut self.halves[half];
+        state.is_active = true;
+        state.tile = tile as u32;
+        state.pending = pending;
+        state.rays = rays.len();
+        state.rays_left = rays.len();
+        state.samples = 0;
     }
 
     /// The sort key of a ray; rays that are not sorted all have the same.
@@ -496,12 +664,15 @@ impl<'f, O: Observer> Processor<'f, O> {
 
     #[inline(always)]
     fn half_of(&self, slot: Slot) -> usize {
-        usize::from(slot.index() >= self.half_size)
+        let beyond = |halves: usize| usize::from(slot.index() >= halves * self.half_size);
+        beyond(1) + beyond(2) + beyond(3)
     }
 
     fn drop_ended(&mut self, slot: Slot) {
         let half = self.half_of(slot);
-        self.counters.skipped_by_termination += u64::from(self.rays[slot.index()].remaining);
+        if half < 2 {
+            self.counters.skipped_by_termination += u64::from(self.rays[slot.index()].remaining);
+        }
         self.end_ray(half);
     }
 
@@ -515,7 +686,11 @@ impl<'f, O: Observer> Processor<'f, O> {
     #[inline(always)]
     fn finish_tile(&mut self, half: usize) {
         let state = &self.halves[half];
-        if state.rays_left > 0 || state.samples > 0 || !state.is_active {
+        if state.rays_left > 0 || state.samples > 0 || state.news > 0 || !state.is_active {
+            return;
+        }
+        if half >= 2 {
+            self.halves[half].is_active = false;
             return;
         }
         let background = (self.frame.spec.look.background
@@ -524,18 +699,19 @@ impl<'f, O: Observer> Processor<'f, O> {
         let first = half * self.half_size;
         for slot in first..first + state.rays {
             let light = &mut self.light[slot];
+            if KNOWN {
+                *light = self.known[slot].light;
+            }
             if !light.has_ended {
                 // A polygon behind the last sample.
-                merge_fragment(&self.absorber, &self.compositor, light);
+                self.path.merge_fragment(light);
             }
             let pixel = self.rays[slot].pixel as usize;
             self.results.picture[pixel] = light.accumulator.map(|accumulator| {
-                let result = self
-                    .compositor
-                    .finish(accumulator, light.passing, background);
-                self.compositor.to_f32(result)
+                let unit = &self.path.compositor;
+                unit.to_f32(unit.finish(accumulator, light.passing, background))
             });
-            self.results.passing[pixel] = light.passing as f32 / self.absorber.full() as f32;
+            self.results.passing[pixel] = light.passing as f32 / self.path.absorber.full() as f32;
             self.results.ended_early[pixel] = light.has_ended;
             self.counters.rays_ended_early += u64::from(light.has_ended);
         }
@@ -543,7 +719,7 @@ impl<'f, O: Observer> Processor<'f, O> {
         self.halves[half].is_active = false;
         // Results go first, then the half is free for parameters.
         let results = self.frame.spec.queue.bundle[0] * self.frame.spec.queue.bundle[1];
-        self.transfer(u64::from(results) * u64::from(self.frame.spec.widths.intensity.div_ceil(8)));
+        self.transfer(u64::from(results) * u64::from(self.frame.result_bytes));
         if self.next_tile < self.frame.setup.tile_count() {
             self.order_parameters(half);
         }
@@ -553,7 +729,7 @@ impl<'f, O: Observer> Processor<'f, O> {
     fn order_parameters(&mut self, half: usize) {
         let mut bytes = crate::host::parameter_bytes(&self.frame.spec);
         if let Some(deformation) = &self.frame.deformation {
-            bytes += 4 * u64::from(deformation.planes) * self.half_size as u64;
+            bytes += 4 * u64::from(deformation.planes()) * self.half_size as u64;
         }
         self.transfer(bytes);
         self.halves[half].arrives = self.bus_free;
@@ -575,8 +751,8 @@ impl<'f, O: Observer> Processor<'f, O> {
         memory: &mut Memory,
         may_read: bool,
         held: u32,
-    ) -> (Option<Read>, bool, Option<Return>, Access) {
-        let nothing = (None, false, None, Access::default());
+    ) -> (Option<Read>, bool, Option<Return>, u32) {
+        let nothing = (None, false, None, 0);
         if self.frame.spec.queue.handover == Handover::Serial && self.has_pending() {
             self.counters.bubbles_filling += 1;
             return nothing;
@@ -592,7 +768,7 @@ impl<'f, O: Observer> Processor<'f, O> {
                 let (next, access) = self.ready_ray(memory, now, window);
                 if next.is_none() && !self.queue.is_empty() {
                     self.counters.bubbles_rows += 1;
-                    return (None, false, None, access);
+                    return (None, false, None, access.clocks());
                 }
                 next
             }
@@ -613,37 +789,31 @@ impl<'f, O: Observer> Processor<'f, O> {
             self.drop_ended(slot);
             return nothing;
         }
+        if self.half_of(slot) >= 2 {
+            return self.issue_light(memory, now, slot);
+        }
         let ray = self.rays[slot.index()];
-        let position = self.bent(&ray);
-        let cell = self.generator.cell(position);
-        let access = memory.access(now, cell);
-        self.count_access(&access, ray.pixel);
-
-        // The distance arrives with the voxels; what it does to the ray is known when the ray comes back.
-        let word = match &self.frame.distance {
-            Some(distance) => u32::from(distance.steps(cell)),
-            None => 0,
-        };
-        let mut is_sample = word == 0 || self.frame.spec.optimisation.leaping == Leaping::Document;
-        if self.frame.fragments.is_some() {
+        let Step {
+            position,
+            cell,
+            distance,
+            steps,
+            is_adaptive,
+        } = self.path.step(&ray);
+        let frozen = self.access(memory, now, cell, ray.pixel);
+        let mut is_sample = self.path.is_sample(distance);
+        if !KNOWN && self.frame.fragments.is_some() {
             // An empty sample carries the news that a polygon is passed.
             let fragment = self.light[slot.index()].fragment;
             is_sample |= fragment.is_some_and(|f| ray.plane >= u32::from(f.plane));
         }
-        let mut steps = word.max(1);
-        if word == 0
-            && let Some(radius) = &self.frame.radius
-        {
-            // The last sample is always read.
-            steps = u32::from(radius.steps(cell))
-                .min(ray.remaining.saturating_sub(1))
-                .max(1);
+        if is_adaptive {
             self.counters.skipped_by_adaptive_sampling += u64::from(steps - 1);
         } else {
-            self.counters.skipped_by_leaping += u64::from(steps.min(ray.remaining) - 1);
+            self.counters.skipped_by_leaping += u64::from(steps - 1);
         }
         self.counters.reads += 1;
-        if word == 0 {
+        if distance == 0 {
             self.counters.sample_reads += 1;
         } else {
             self.counters.distance_only_reads += 1;
@@ -653,9 +823,9 @@ impl<'f, O: Observer> Processor<'f, O> {
             position,
             steps: self.gaps[slot.index()],
             plane: ray.plane as u16,
+            pixel: ray.pixel,
         };
-        self.gaps[slot.index()] = if word == 0 { steps as u8 } else { 1 };
-        let steps = steps.min(ray.remaining);
+        self.gaps[slot.index()] = if distance == 0 { steps as u8 } else { 1 };
         let ray = &mut self.rays[slot.index()];
         ray.position = AddressGenerator::advance(ray.position, ray.step, steps);
         ray.remaining -= steps;
@@ -669,7 +839,46 @@ impl<'f, O: Observer> Processor<'f, O> {
             let half = self.half_of(slot);
             self.halves[half].samples += 1;
         }
-        (Some(read), is_sample, Some(Return { slot, key }), access)
+        (Some(read), is_sample, Some(Return::new(slot, key)), frozen)
+    }
+
+    /// The next sample of a light ray goes to the memory.
+    fn issue_light(
+        &mut self,
+        memory: &mut Memory,
+        now: u64,
+        slot: Slot,
+    ) -> (Option<Read>, bool, Option<Return>, u32) {
+        let ray = self.rays[slot.index()];
+        let cell = self.path.generator.cell(ray.position);
+        let frozen = self.access(memory, now, cell, ray.pixel);
+        self.counters.light_reads += 1;
+        let columns = match &self.frame.light_distance {
+            Some(distance) => u32::from(distance.steps(cell)),
+            None => 0,
+        };
+        let is_sample = columns == 0;
+        let next = self
+            .shadow
+            .as_ref()
+            .and_then(|shadow| shadow.advance(&ray, columns.max(1)));
+        if let Some(next) = next {
+            self.rays[slot.index()] = next;
+            self.returning += 1;
+        }
+        if is_sample {
+            let half = self.half_of(slot);
+            self.halves[half].samples += 1;
+        }
+        let read = Read {
+            slot,
+            position: ray.position,
+            steps: 1,
+            plane: ray.plane as u16,
+            pixel: ray.pixel,
+        };
+        let key = next.map(|next| self.key(&next));
+        (Some(read), is_sample, Some(Return::new(slot, key)), frozen)
     }
 
     /// The first of the next `window` rays whose rows are open; the rows of the first are opened meanwhile.
@@ -701,6 +910,7 @@ impl<'f, O: Observer> Processor<'f, O> {
                 break;
             };
             let cell = self
+                .path
                 .generator
                 .cell(self.rays[waiting.slot.index()].position);
             if self.ended[waiting.slot.index()] || dram.is_ready(now, cell, layout) {
@@ -715,33 +925,25 @@ impl<'f, O: Observer> Processor<'f, O> {
         (None, Access::default())
     }
 
-    /// The position of a ray's sample, bent if rays are.
+    /// Reads a cell for the ray of a pixel, and counts what the memory says; how many clocks it holds the pipeline.
     #[inline(always)]
-    fn bent(&self, ray: &Ray) -> [i32; 3] {
-        let Some(deformation) = &self.frame.deformation else {
-            return ray.position;
-        };
-        let plane = ray.plane.min(deformation.planes.saturating_sub(1));
-        let index = ray.pixel as usize * deformation.planes as usize + plane as usize;
-        let Some([right, up]) = deformation.offsets.get(index).copied() else {
-            return ray.position;
-        };
-        let axes = &self.frame.setup.axes;
-        let offset = (axes.right * f64::from(right) + axes.up * f64::from(up)) / 256.0;
-        let one = f64::from(1u32 << self.frame.spec.widths.position_fraction);
-        let offset = (offset * one).round().to_array();
-        std::array::from_fn(|i| ray.position[i].wrapping_add(offset[i] as i32))
+    fn access(&mut self, memory: &mut Memory, now: u64, cell: [i32; 3], pixel: u32) -> u32 {
+        if memory.is_open(cell) {
+            return 0;
+        }
+        let access = memory.access(now, cell);
+        self.count_access(&access, pixel);
+        access.clocks()
     }
 
-    #[inline(always)]
+    #[inline(never)]
     fn count_access(&mut self, access: &Access, pixel: u32) {
-        if *access == Access::default() {
-            return;
-        }
         let counters = &mut self.counters;
         counters.frozen_for_rows += u64::from(access.row_clocks);
         counters.frozen_for_refresh += u64::from(access.refresh_clocks);
         counters.frozen_for_words += u64::from(access.serial_clocks);
+        counters.frozen_for_distances += u64::from(access.distance_clocks);
+        counters.distance_row_changes += u64::from(access.distance_misses);
         counters.row_changes += u64::from(access.module_misses);
         counters.row_stalls += u64::from(access.module_misses > 0);
         counters.thesis_row_changes += u64::from(access.thesis_changes);
@@ -752,132 +954,49 @@ impl<'f, O: Observer> Processor<'f, O> {
     // ----- data path -----
 
     #[inline(always)]
-    fn interpolate(&self, read: Read) -> Sample {
-        let address = self.generator.split(read.position);
-        let modules = self.frame.voxels.modules(address.cell, address.lowest);
-        let fraction = match self.frame.spec.look.reconstruction {
-            Reconstruction::Trilinear => address.fraction,
-            Reconstruction::Nearest => {
-                let one = 1 << self.interpolator.fraction;
-                address.fraction.map(|x| if 2 * x >= one { one } else { 0 })
-            }
-        };
-        let (value, gradient) = self
-            .interpolator
-            .interpolate(modules, fraction, address.lowest);
-        Sample {
-            slot: read.slot,
-            value,
-            gradient,
-            steps: read.steps,
-            plane: read.plane,
-        }
-    }
-
-    #[inline(always)]
-    fn classify(&mut self, sample: Sample) -> Classified {
-        let mut before = sample.value;
-        if self.frame.spec.look.classification == Classification::PreIntegrated {
-            let light = &mut self.light[sample.slot.index()];
-            before = std::mem::replace(&mut light.before, sample.value);
-        }
-        Classified {
-            slot: sample.slot,
-            opacity: self.frame.tables.opacity(before, sample.value),
-            gradient: sample.gradient,
-            steps: sample.steps,
-            plane: sample.plane,
-            word: sample.value as u16,
-        }
-    }
-
-    #[inline(always)]
     fn absorb(&mut self, word: Classified) -> (Option<Visible>, Option<Terminate>) {
+        if let Some(shadow) = &mut self.shadow
+            && word.slot.index() >= 2 * self.half_size
+        {
+            let plane = u32::from(word.plane);
+            let is_dark = shadow.absorb(word.pixel, plane, word.opacity, &self.path.absorber);
+            let news = self.terminate(word.slot, is_dark);
+            self.end_sample(word.slot);
+            return (None, news);
+        }
         let light = &mut self.light[word.slot.index()];
         if light.has_ended {
             self.counters.wasted_samples += 1;
-            let half = self.half_of(word.slot);
-            self.halves[half].samples -= 1;
-            self.finish_tile(half);
+            self.end_sample(word.slot);
             return (None, None);
         }
-        if light.fragment.is_some_and(|f| word.plane >= f.plane) {
-            light.has_ended = merge_fragment(&self.absorber, &self.compositor, light);
-            if light.has_ended {
-                let half = self.half_of(word.slot);
-                self.halves[half].samples -= 1;
-                self.finish_tile(half);
-                return (None, Some(Terminate(word.slot)));
+        let mut visible = self.path.absorb(light, word);
+        let ends = light.has_ended;
+        let news = self.terminate(word.slot, ends);
+        match (&mut visible, &self.shadow) {
+            (None, _) => self.end_sample(word.slot),
+            (Some(visible), Some(shadow)) => {
+                visible.weight = shadow.lit(word.pixel, u32::from(word.plane), visible.weight);
             }
+            _ => {}
         }
-        let (mut weight, mut passing, mut ends) = (0, light.passing, false);
-        if word.steps > 1 {
-            // Samples that were not read lie on a line between the one before and this one.
-            for step in 1..u32::from(word.steps) {
-                let gap = u32::from(word.steps);
-                let opacity = ((gap - step) * light.before + step * word.opacity + gap / 2) / gap;
-                let (added, behind, is_last) = self.absorber.absorb(opacity, passing);
-                (weight, passing, ends) = (weight + added, behind, is_last);
-                if ends {
-                    break;
-                }
-            }
-        }
-        if !ends {
-            let (added, behind, is_last) = self.absorber.absorb(word.opacity, passing);
-            (weight, passing, ends) = (weight + added, behind, is_last);
-        }
-        if self.frame.radius.is_some() {
-            light.before = word.opacity;
-        }
-        light.passing = passing;
-        light.has_ended = ends;
-        let visible = Visible {
-            slot: word.slot,
-            weight,
-            gradient: word.gradient,
-            word: word.word,
-        };
-        (Some(visible), ends.then_some(Terminate(word.slot)))
+        (visible, news)
     }
 
+    /// News for the queue, if a ray has ended.
     #[inline(always)]
-    fn shade(&self, visible: Visible) -> Lit {
-        let look = &self.frame.spec.look;
-        let widths = &self.frame.spec.widths;
-        let mut weight = visible.weight;
-        if look.gradient_weighting {
-            let length = length(
-                visible.gradient,
-                widths.lerp_guard,
-                widths.data,
-                look.gradient_gain,
-            );
-            weight = crate::fixed_point::scaled(
-                weight,
-                crate::fixed_point::whole(length, widths.data),
-                widths.data,
-            );
+    fn terminate(&mut self, slot: Slot, ends: bool) -> Option<Terminate> {
+        if ends {
+            let half = self.half_of(slot);
+            self.halves[half].news += 1;
         }
-        let intensity = match (&self.frame.materials, &self.frame.map) {
-            (Some(materials), _) => materials.reflect(visible.word, visible.gradient),
-            (None, Some(map)) => [map.reflect(visible.gradient); 3],
-            (None, None) => [(1 << widths.intensity) - 1; 3],
-        };
-        Lit {
-            slot: visible.slot,
-            weight,
-            intensity,
-        }
+        ends.then_some(Terminate(slot))
     }
 
+    /// A sample is no longer on its way.
     #[inline(always)]
-    fn composite(&mut self, lit: Lit) {
-        let light = &mut self.light[lit.slot.index()];
-        for (accumulator, intensity) in light.accumulator.iter_mut().zip(lit.intensity) {
-            *accumulator = self.compositor.add(*accumulator, lit.weight, intensity);
-        }
-        let half = self.half_of(lit.slot);
+    fn end_sample(&mut self, slot: Slot) {
+        let half = self.half_of(slot);
         self.halves[half].samples -= 1;
         self.finish_tile(half);
     }
@@ -902,6 +1021,7 @@ impl<'f, O: Observer> Processor<'f, O> {
             }
         }
         counters.clocks = self.clock;
+        counters.coding_clocks = self.frame.coding_clocks();
         if let Some((dram, _)) = memory.dram() {
             counters.cache_hits = dram.cache_hits;
             counters.cache_misses = dram.cache_misses;
@@ -922,23 +1042,10 @@ impl<'f, O: Observer> Processor<'f, O> {
             thesis_changes_of_pixel: top_down(results.thesis_changes_of_pixel, width),
             ended_early: top_down(results.ended_early, width),
             counters,
+            clocks_of_part: Vec::new(),
             is_complete,
         }
     }
-}
-
-/// Lays a polygon over what is in front of it; whether the ray ends there.
-fn merge_fragment(absorber: &Absorber, compositor: &Compositor, light: &mut Light) -> bool {
-    let Some(fragment) = light.fragment.take() else {
-        return false;
-    };
-    let (weight, passing, ends) = absorber.absorb(fragment.opacity, light.passing);
-    for (accumulator, intensity) in light.accumulator.iter_mut().zip(fragment.intensity) {
-        *accumulator = compositor.add(*accumulator, weight, intensity);
-    }
-    light.passing = passing;
-    // Nothing is seen behind an opaque one, whatever the threshold.
-    ends || passing == 0
 }
 
 /// Rows in the other order.

@@ -3,6 +3,7 @@
 use crate::Error;
 use crate::fixed_point::from_f64;
 use crate::spec::{Projection, Spec};
+use crate::stages::address::AddressGenerator;
 use crate::stages::shade::ViewAxes;
 use glam::DVec3;
 
@@ -48,8 +49,14 @@ pub struct RaySetup {
     eye_distance: Option<f64>,
     /// Planes that are sampled, from the first to the one behind the last.
     planes: [u32; 2],
+    /// Planes from the image plane to the farthest corner of everything that is drawn.
+    plane_count: u32,
+    /// Which cells of an axis are sampled, from the first to the one behind the last; none for all.
+    cut: Option<(usize, [i32; 2])>,
     /// Which pixels still have a ray (rows from the bottom); none for all.
     alive: Option<Vec<bool>>,
+    /// The rays, if they are not computed here.
+    given: Option<Vec<Option<Ray>>>,
 }
 
 impl RaySetup {
@@ -123,7 +130,10 @@ impl RaySetup {
             centre: half + forward * front,
             eye_distance,
             planes: [0, u32::MAX],
+            plane_count: (2.0 * reach(forward) / step).floor() as u32 + 1,
+            cut: None,
             alive: None,
+            given: None,
         };
         // Components are linear in the place on the picture, so the corners are the extremes.
         for corner in 0..4 {
@@ -153,8 +163,7 @@ impl RaySetup {
             let most = delta.iter().map(|c| c.unsigned_abs()).max().unwrap_or(0);
             setup.largest_step = f64::from(most) / f64::from(1u32 << widths.position_fraction);
         }
-        let depth = 2.0 * reach(forward);
-        let most_steps = (depth / step).floor() as u32 + 1;
+        let most_steps = setup.plane_count;
         for (field, bits) in [("widths.length", widths.length), ("widths.key", widths.key)] {
             let largest = (1u32 << bits) - 1;
             // Lengths are bounded by the longest ray, keys by the depth of the picture.
@@ -178,6 +187,37 @@ impl RaySetup {
             }
         }
         Ok(setup)
+    }
+
+    /// One tile of given rays, row after row; those that are none are not sent.
+    pub(crate) fn of_rays(spec: &Spec, dims: [usize; 3], rays: Vec<Option<Ray>>) -> RaySetup {
+        let bundle = spec.queue.bundle;
+        let behind = rays.iter().flatten().map(|r| r.plane + r.remaining).max();
+        let axes = ViewAxes {
+            right: DVec3::X,
+            forward: DVec3::Y,
+            up: DVec3::Z,
+        };
+        RaySetup {
+            size: bundle,
+            tiles: [1, 1],
+            axes,
+            largest_step: 0.0,
+            bundle,
+            dims,
+            position: [spec.widths.position_integer, spec.widths.position_fraction],
+            step_fraction: spec.widths.step_fraction,
+            length: spec.widths.length,
+            step: 1.0,
+            pixel: 1.0,
+            centre: DVec3::ZERO,
+            eye_distance: None,
+            planes: [0, u32::MAX],
+            plane_count: behind.unwrap_or(1),
+            cut: None,
+            alive: None,
+            given: Some(rays),
+        }
     }
 
     /// Number of tiles.
@@ -209,10 +249,78 @@ impl RaySetup {
         self.alive = Some(alive);
     }
 
-    /// Planes from the image plane to the farthest corner of the volume.
-    pub(crate) fn plane_count(&self) -> u32 {
-        let half = DVec3::from_array(self.dims.map(|n| 0.5 * (n as f64 - 1.0)));
-        (2.0 * self.axes.forward.abs().dot(half) / self.step).floor() as u32 + 1
+    /// Planes from the image plane to the farthest corner of everything that is drawn.
+    pub fn plane_count(&self) -> u32 {
+        self.plane_count
+    }
+
+    /// The same rays through a volume that lies `at` in this one.
+    pub(crate) fn within(&self, at: [i32; 3], dims: [usize; 3]) -> RaySetup {
+        let mut part = self.clone();
+        part.centre -= DVec3::from_array(at.map(f64::from));
+        part.dims = dims;
+        part
+    }
+
+    /// The same samples, but only those in some cells of an axis, in a volume that begins there.
+    pub(crate) fn cut(&self, axis: usize, cells: [i32; 2]) -> RaySetup {
+        let mut part = self.clone();
+        part.cut = Some((axis, cells));
+        part
+    }
+
+    /// Where a sample of a pixel lies across the view direction, to the right and up, in voxels.
+    pub(crate) fn lateral(&self, pixel: u32, plane: u32) -> [f64; 2] {
+        let spread = self.eye_distance.map_or(1.0, |distance| {
+            1.0 + f64::from(plane) * self.step / distance
+        });
+        self.offset(pixel % self.size[0], pixel / self.size[0])
+            .map(|c| c * spread)
+    }
+
+    /// Bound of the components of what lies between two samples of one plane in neighbouring columns, in voxels: their
+    /// distance at the back, and the rounding of both.
+    pub(crate) fn largest_light_step(&self) -> f64 {
+        let planes = f64::from(self.plane_count);
+        let spread = self
+            .eye_distance
+            .map_or(1.0, |distance| 1.0 + planes * self.step / distance);
+        let rounding = 1.0 / f64::from(1u32 << self.position[1])
+            + planes / f64::from(1u32 << self.step_fraction);
+        self.pixel * spread * self.axes.right.abs().max_element() + rounding
+    }
+
+    /// Distance of samples along the view direction in voxels.
+    pub(crate) fn step(&self) -> f64 {
+        self.step
+    }
+
+    /// Planes from the image plane back to the eye, in voxels; none for parallel rays.
+    pub(crate) fn eye_distance(&self) -> Option<f64> {
+        self.eye_distance
+    }
+
+    /// Where the ray of a pixel crosses the image plane, and its direction, one voxel long along the view direction.
+    pub(crate) fn line(&self, x: u32, y: u32) -> (DVec3, DVec3) {
+        (self.start(x, y), self.direction(x, y))
+    }
+
+    /// Where on the picture a point of the volume is seen, in pixels; none at the eye and behind it.
+    pub(crate) fn project(&self, point: DVec3) -> Option<[f64; 2]> {
+        let from_centre = point - self.centre;
+        let spread = match self.eye_distance {
+            None => 1.0,
+            Some(distance) => 1.0 + from_centre.dot(self.axes.forward) / distance,
+        };
+        let seen = |axis: DVec3, n: u32| {
+            from_centre.dot(axis) / spread / self.pixel + 0.5 * (f64::from(n) - 1.0)
+        };
+        (spread > 1e-3).then(|| {
+            [
+                seen(self.axes.right, self.size[0]),
+                seen(self.axes.up, self.size[1]),
+            ]
+        })
     }
 
     /// The tile of a pixel (rows from the bottom).
@@ -245,6 +353,9 @@ impl RaySetup {
         if self.alive.as_ref().is_some_and(|alive| !alive[pixel]) {
             return None;
         }
+        if let Some(rays) = &self.given {
+            return rays[pixel];
+        }
         let start = self.start(x, y);
         let delta = self.direction(x, y) * self.step;
         let (first, last) = self.clip(start, delta)?;
@@ -255,12 +366,37 @@ impl RaySetup {
         let position = start + delta * f64::from(first);
         let [integer, fraction] = self.position;
         let fixed = |p: f64| from_f64(p, integer, fraction).unwrap_or(i32::MAX);
-        Some(Ray {
+        let ray = Ray {
             position: position.to_array().map(fixed),
             step: self.fixed_step(delta),
             remaining: (last - first + 1).min((1 << self.length) - 1),
             plane: first,
             pixel: y * self.size[0] + x,
+        };
+        match self.cut {
+            Some((axis, cells)) => self.part_of(ray, axis, cells),
+            None => Some(ray),
+        }
+    }
+
+    /// What of a ray lies in some cells of an axis, counted from the first of them. Words are advanced as the processor does
+    /// it, so that parts of a ray have the very samples of the whole.
+    fn part_of(&self, ray: Ray, axis: usize, [first, behind]: [i32; 2]) -> Option<Ray> {
+        let fraction = self.position[1];
+        let at = |k: u32| AddressGenerator::advance(ray.position, ray.step, k);
+        let cell = |k: u32| at(k)[axis] >> fraction;
+        let mut inside = (0..ray.remaining).skip_while(|k| !(first..behind).contains(&cell(*k)));
+        let begin = inside.next()?;
+        let rest = inside
+            .take_while(|k| (first..behind).contains(&cell(*k)))
+            .count() as u32;
+        let mut position = at(begin);
+        position[axis] -= first.max(0) << fraction;
+        Some(Ray {
+            position,
+            remaining: 1 + rest,
+            plane: ray.plane + begin,
+            ..ray
         })
     }
 

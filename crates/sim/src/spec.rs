@@ -1,5 +1,9 @@
 //! The Spec: what is built, immutable while it runs. Widths in bits, times in clocks of the pipeline.
 
+mod extensions;
+
+pub use extensions::{Axis, Bend, Merge, Placed, Polygons, Shadow, Shape};
+
 use crate::Error;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -29,6 +33,14 @@ pub struct Spec {
     pub view: View,
     /// The bus to the host.
     pub host: Host,
+    /// Several volumes, several boards.
+    pub merge: Merge,
+    /// Surfaces among the samples.
+    pub polygons: Polygons,
+    /// Whether rays are bent. Needs leaping off.
+    pub bend: Bend,
+    /// Whether there are shadows: twice the reads.
+    pub shadow: Shadow,
 }
 
 impl Default for Spec {
@@ -43,6 +55,10 @@ impl Default for Spec {
             look: Look::default(),
             view: View::default(),
             host: Host::default(),
+            merge: Merge::default(),
+            polygons: Polygons::default(),
+            bend: Bend::None,
+            shadow: Shadow::None,
         }
     }
 }
@@ -81,6 +97,8 @@ pub struct Widths {
     pub accumulator_fraction: u32,
     /// Bits of a distance word.
     pub distance: u32,
+    /// Bits of the light that arrives at a sample, in the buffer of the shadow pass.
+    pub shadow: u32,
 }
 
 impl Default for Widths {
@@ -101,6 +119,7 @@ impl Default for Widths {
             transmittance: 16,
             accumulator_fraction: 8,
             distance: 8,
+            shadow: 8,
         }
     }
 }
@@ -124,6 +143,7 @@ impl Widths {
             transmittance: 20,
             accumulator_fraction: 12,
             distance: 8,
+            shadow: 16,
         }
     }
 }
@@ -260,6 +280,8 @@ pub struct Memory {
     pub ports: u32,
     /// Which rows an access needs, for time; both are always counted.
     pub row_rule: RowRule,
+    /// Whether the distance store has rows to open.
+    pub distance_store: DistanceMemory,
     /// Clocks of its commands.
     pub timing: Timing,
     /// A cache in front of every module.
@@ -276,10 +298,22 @@ impl Default for Memory {
             columns: 512,
             ports: 1,
             row_rule: RowRule::Exact,
+            distance_store: DistanceMemory::Ideal,
             timing: Timing::default(),
             cache: None,
         }
     }
+}
+
+/// What the distances lie in, which are read in parallel with the voxels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum DistanceMemory {
+    /// Every distance is there when its voxels are, as in the document's figures.
+    Ideal,
+    /// One module like those of the voxels, cells interleaved as in `m1-interleaved`: its rows are opened while those of the
+    /// voxels are, and hold the pipeline for what is longer. It is refreshed together with them.
+    Sdram,
 }
 
 /// How voxels lie in the memory.
@@ -376,6 +410,8 @@ pub struct Optimisation {
     pub termination_threshold: f64,
     /// Whether rays leap over empty space, and by which rule.
     pub leaping: Leaping,
+    /// The circuit that codes distances; none: software, which is exact. Its clocks are counted, once per classification.
+    pub distance_engine: Option<Engine>,
     /// Edge in cells of what shares one distance word: 1, or 2 for a store of an eighth of the size.
     pub distance_block: u32,
     /// Also leap where all corners of the surrounding cells are equal (for gradient-weighted compositing, which gives
@@ -391,6 +427,7 @@ impl Default for Optimisation {
         Optimisation {
             termination_threshold: 0.05,
             leaping: Leaping::Safe,
+            distance_engine: None,
             distance_block: 1,
             leap_homogeneous: false,
             adaptive_error: 0,
@@ -407,6 +444,23 @@ impl Optimisation {
             ..Optimisation::default()
         }
     }
+}
+
+/// The distance coder: a shift register over one plane of a column of the volume. Columns overlap, and distances beyond
+/// the margin are cut to margin + 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Engine {
+    /// Cells of a plane along x, margins included; 5 to 1024.
+    pub columns: u32,
+    /// Cells of a plane along y, margins included; 3 to 1024.
+    pub rows: u32,
+    /// Cells on every side that are fed but not written; 1 to 254, less than half of `columns` and `rows`.
+    pub margin: u32,
+    /// If coder and caster share one programmable chip: milliseconds to load either, up to 60,000. Coding then takes two
+    /// loads more. 0 if both are there.
+    #[serde(default)]
+    pub load_ms: u32,
 }
 
 /// How far a ray leaps in empty space.
@@ -558,6 +612,9 @@ pub struct View {
     pub pixel: f64,
     /// Turns step and pixel to twice their size while the picture moves: 1/8 of the samples.
     pub is_moving: bool,
+    /// Slabs of equal depth between intermediate image planes, 1 to 64, each with rays that lie one voxel apart at its back;
+    /// 1 for none. More than 1 needs perspective.
+    pub slabs: u32,
 }
 
 impl Default for View {
@@ -569,6 +626,7 @@ impl Default for View {
             step: 1.0,
             pixel: 1.0,
             is_moving: false,
+            slabs: 1,
         }
     }
 }
@@ -594,6 +652,8 @@ pub struct Host {
     pub bus_mb_per_s: f64,
     /// Whether tiles wait for their parameters; the document's frame rates ignore transfers.
     pub is_waited_for: bool,
+    /// Clocks of the local bus for a single access of a script, or the first word of a burst; 1 to 1000.
+    pub single_clocks: u32,
 }
 
 impl Default for Host {
@@ -601,6 +661,7 @@ impl Default for Host {
         Host {
             bus_mb_per_s: 533.0,
             is_waited_for: false,
+            single_clocks: 4,
         }
     }
 }
@@ -688,6 +749,7 @@ impl Spec {
         self.check_queue()?;
         self.check_memory()?;
         self.check_look()?;
+        self.check_extensions()?;
         let positive = |field, value: f64| match value.is_finite() && value > 0.0 {
             true => Ok(()),
             false => Err(Error::field(field, value, "it must be greater than 0")),
@@ -696,6 +758,11 @@ impl Spec {
         positive("view.step", self.view.step)?;
         positive("view.pixel", self.view.pixel)?;
         positive("host.bus_mb_per_s", self.host.bus_mb_per_s)?;
+        if !(1..=1000).contains(&self.host.single_clocks) {
+            let field = "host.single_clocks";
+            let value = self.host.single_clocks;
+            return Err(Error::field(field, value, "they must lie in 1 to 1000"));
+        }
         for (field, value) in [
             ("view.rotate_z_deg", self.view.rotate_z_deg),
             ("view.rotate_x_deg", self.view.rotate_x_deg),
@@ -724,6 +791,38 @@ impl Spec {
             let value = self.optimisation.distance_block;
             return Err(Error::field(field, value, "it must be 1 or 2"));
         }
+        if let Some(engine) = self.optimisation.distance_engine {
+            for (field, value, low, high) in [
+                (
+                    "optimisation.distance_engine.columns",
+                    engine.columns,
+                    5,
+                    1024,
+                ),
+                ("optimisation.distance_engine.rows", engine.rows, 3, 1024),
+                ("optimisation.distance_engine.margin", engine.margin, 1, 254),
+            ] {
+                if !(low..=high).contains(&value) {
+                    let problem = format!("it must lie in {low} to {high}");
+                    return Err(Error::field(field, value, problem));
+                }
+            }
+            if engine.load_ms > 60_000 {
+                let field = "optimisation.distance_engine.load_ms";
+                let problem = "it must lie in 0 to 60000";
+                return Err(Error::field(field, engine.load_ms, problem));
+            }
+            if 2 * engine.margin >= engine.columns.min(engine.rows) {
+                let field = "optimisation.distance_engine.margin";
+                let problem = format!(
+                    "nothing is left of a plane of {} × {}: at most {}",
+                    engine.columns,
+                    engine.rows,
+                    (engine.columns.min(engine.rows) - 1) / 2
+                );
+                return Err(Error::field(field, engine.margin, problem));
+            }
+        }
         if self.optimisation.adaptive_error > 0 && self.optimisation.leaping == Leaping::Document {
             let field = "optimisation.adaptive_error";
             let value = self.optimisation.adaptive_error;
@@ -751,6 +850,7 @@ impl Spec {
             ("widths.transmittance", w.transmittance, 4, 24),
             ("widths.accumulator_fraction", w.accumulator_fraction, 0, 16),
             ("widths.distance", w.distance, 1, 8),
+            ("widths.shadow", w.shadow, 1, 16),
         ];
         for (field, value, low, high) in ranges {
             if !(low..=high).contains(&value) {
@@ -933,16 +1033,7 @@ impl Spec {
 
     fn check_look(&self) -> Result<(), Error> {
         let look = &self.look;
-        for (i, &[value, opacity]) in look.opacity.iter().enumerate() {
-            let text = format!("[{value}, {opacity}]");
-            if !value.is_finite() || !(0.0..=1.0).contains(&opacity) {
-                let problem = "values must be finite, opacities lie in 0 to 1";
-                return Err(Error::field("look.opacity", text, problem));
-            }
-            if i > 0 && look.opacity[i - 1][0] > value {
-                return Err(Error::field("look.opacity", text, "values must ascend"));
-            }
-        }
+        check_curve("look.opacity", &look.opacity)?;
         for light in &look.lights {
             let squared: f64 = light.direction.iter().map(|c| c * c).sum();
             if !(squared.is_finite() && squared > 0.0) {
@@ -1025,6 +1116,21 @@ impl Spec {
         }
         Ok(())
     }
+}
+
+/// Whether points (value, opacity) make a curve.
+fn check_curve(field: &'static str, points: &[[f64; 2]]) -> Result<(), Error> {
+    for (i, &[value, opacity]) in points.iter().enumerate() {
+        let text = format!("[{value}, {opacity}]");
+        if !value.is_finite() || !(0.0..=1.0).contains(&opacity) {
+            let problem = "values must be finite, opacities lie in 0 to 1";
+            return Err(Error::field(field, text, problem));
+        }
+        if i > 0 && points[i - 1][0] > value {
+            return Err(Error::field(field, text, "values must ascend"));
+        }
+    }
+    Ok(())
 }
 
 /// Prints `value` with what `schema` says about its fields.

@@ -18,7 +18,7 @@ pub struct Statistics {
     pub size: [u32; 2],
     /// Frames per second at the clock of the Spec.
     pub frames_per_second: f64,
-    /// Share of clocks in which a read is issued.
+    /// Share of clocks in which a read is issued; of several boards their mean.
     pub utilisation: f64,
     /// Row stalls per read.
     pub stalls_per_read: f64,
@@ -28,6 +28,8 @@ pub struct Statistics {
     pub percent_of_samples: [f64; 4],
     /// The counts.
     pub counters: Counters,
+    /// Clocks of every slab or board, if there are several.
+    pub clocks_of_part: Vec<u64>,
     /// The Spec that was run.
     pub spec: Spec,
 }
@@ -41,11 +43,12 @@ impl Statistics {
             is_complete: run.is_complete,
             size: run.size,
             frames_per_second: counters.frames_per_second(spec.clock_mhz),
-            utilisation: counters.utilisation(),
+            utilisation: counters.utilisation() / f64::from(spec.merge.boards),
             stalls_per_read: counters.stalls_per_read(),
             thesis_changes_per_read: counters.thesis_changes_per_read(),
             percent_of_samples: percent_of_samples(&counters),
             counters,
+            clocks_of_part: run.clocks_of_part.clone(),
             spec: spec.clone(),
         }
     }

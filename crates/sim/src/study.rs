@@ -2,14 +2,16 @@
 
 mod beyond;
 mod document;
+mod extensions;
 
 use crate::Error;
-use crate::processor::{Run, run};
+use crate::Nobody;
+use crate::picture::{Subject, draw};
+use crate::processor::Run;
 use crate::report::Report;
 use crate::spec::{Light, Spec};
 use crate::statistics::Statistics;
 use crate::volume_store::VolumeStore;
-use crate::{Frame, Nobody};
 use rayon::prelude::*;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -24,7 +26,7 @@ pub struct Study {
 }
 
 /// Every study, those of the document first.
-pub const STUDIES: [Study; 13] = [
+pub const STUDIES: [Study; 14] = [
     Study {
         name: "bundle",
         about: "6.1 bundle size against utilisation",
@@ -86,6 +88,11 @@ pub const STUDIES: [Study; 13] = [
         make: beyond::dram,
     },
     Study {
+        name: "extensions",
+        about: "shadows, boards, slabs, polygons, bent rays, the distance engine: clocks and pictures",
+        make: extensions::extensions,
+    },
+    Study {
         name: "volumes",
         about: "several volumes by all orders and memory models",
         make: beyond::volumes,
@@ -134,14 +141,13 @@ impl<'l> Lab<'l> {
         Ok(report)
     }
 
-    /// Runs every case, on all cores; each is one thread, so that counts are those of a single run.
+    /// Draws every case, on all cores.
     fn run(&self, cases: Vec<Case>) -> Result<Vec<(Run, Statistics)>, Error> {
         cases
             .into_par_iter()
             .map(|(_, spec, volume)| {
-                let frame = Frame::new(&spec, volume)?;
                 let progress = |_, _| (self.progress)(self.done.load(Ordering::Relaxed));
-                let drawn = run(&frame, &mut Nobody, &progress)?;
+                let drawn = draw(&spec, &Subject::of(volume), &mut Nobody, &progress)?;
                 self.done.fetch_add(1, Ordering::Relaxed);
                 if !drawn.is_complete {
                     return Err(Error::Stopped);

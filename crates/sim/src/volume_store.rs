@@ -1,6 +1,8 @@
 //! The volume as the host loads it into the memory modules: 16-bit words, and what they mean.
 
 use crate::Error;
+use glam::{DAffine3, DVec3};
+use std::ops::Range;
 use strahl_volume::{SampleType, Volume};
 
 /// 16-bit voxels with their meaning.
@@ -18,11 +20,13 @@ pub struct VolumeStore {
     pub range: [f64; 2],
     /// What it is called.
     pub name: String,
+    /// Where it lies among meshes: RAS mm → voxel index.
+    pub voxel_from_world: DAffine3,
 }
 
 impl VolumeStore {
     /// The voxels of a volume. Integers of up to 16 bits are kept as they are (signed ones moved up); others are rounded
-    /// to 65,535 steps over the range. Spacing and place are not looked at: the processor works in voxels.
+    /// to 65,535 steps over the range. Spacing and place matter to meshes only: the processor works in voxels.
     ///
     /// # Errors
     /// If an axis has fewer than 2 voxels.
@@ -50,46 +54,47 @@ impl VolumeStore {
                     .collect();
                 let offset = rescale.value(lo);
                 let slope = rescale.slope * width / 65535.0;
-                return Ok(VolumeStore::of_words(
-                    dims,
-                    words,
-                    offset,
-                    slope,
-                    volume.metadata().name.clone(),
-                ));
+                return Ok(VolumeStore::of_words(volume, words, offset, slope));
             }
         };
         let words = (0..samples.len())
             .map(|i| (samples.get(i) + shift) as u16)
             .collect();
-        Ok(VolumeStore::of_words(
-            dims,
-            words,
-            offset,
-            slope,
-            volume.metadata().name.clone(),
-        ))
+        Ok(VolumeStore::of_words(volume, words, offset, slope))
     }
 
-    fn of_words(
-        dims: [usize; 3],
-        words: Vec<u16>,
-        offset: f64,
-        slope: f64,
-        name: String,
-    ) -> VolumeStore {
+    fn of_words(volume: &Volume, words: Vec<u16>, offset: f64, slope: f64) -> VolumeStore {
         let (lo, hi) = words
             .iter()
             .fold((u16::MAX, 0), |(lo, hi), w| (lo.min(*w), hi.max(*w)));
         let a = offset + slope * f64::from(lo);
         let b = offset + slope * f64::from(hi);
         VolumeStore {
-            dims,
+            dims: volume.grid().dims(),
             words,
             offset,
             slope,
             range: [a.min(b), a.max(b)],
-            name,
+            name: volume.metadata().name.clone(),
+            voxel_from_world: volume.grid().voxel_from_world(),
+        }
+    }
+
+    /// The voxels of a range of an axis, with the range of the whole.
+    pub(crate) fn part(&self, axis: usize, range: Range<usize>) -> VolumeStore {
+        let stride: usize = self.dims[..axis].iter().product();
+        let [length, first] = [self.dims[axis], range.start];
+        let blocks = self.words.chunks_exact(stride * length);
+        let kept = blocks.flat_map(|block| &block[stride * first..stride * range.end]);
+        let mut dims = self.dims;
+        dims[axis] = range.len();
+        VolumeStore {
+            dims,
+            words: kept.copied().collect(),
+            name: self.name.clone(),
+            voxel_from_world: DAffine3::from_translation(-DVec3::AXES[axis] * first as f64)
+                * self.voxel_from_world,
+            ..*self
         }
     }
 

@@ -36,6 +36,8 @@ pub struct VoxelLayout {
     pub dims: [i32; 3],
     /// Low bits of a coordinate that do not change the row, all ones.
     pub block_mask: [i32; 3],
+    /// Rows that the volume takes in every bank, and how many there are.
+    pub rows_needed: [u64; 2],
     axes: [Vec<Place>; 3],
     rows: u32,
     banks_per_pair: u32,
@@ -144,6 +146,7 @@ impl VoxelLayout {
             banks: (memory.banks * memory.chips) as usize,
             dims: dims.map(|n| n as i32),
             block_mask,
+            rows_needed: [rows_needed, most],
             axes,
             rows: memory.rows,
             banks_per_pair: memory.banks * pair,

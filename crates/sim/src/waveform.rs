@@ -91,12 +91,13 @@ impl Observer for Waveform {
             w.issue.map(|r| i64::from(r.position[0])),
             w.issue.map(|r| i64::from(r.position[1])),
             w.issue.map(|r| i64::from(r.position[2])),
+            w.issue.map(|r| i64::from(r.plane)),
             valid(false),
             valid(w.data.is_some()),
             w.data.map(|r| i64::from(r.slot.0)),
-            valid(w.sort.is_some_and(|s| s.key.is_some())),
-            w.sort.map(|s| i64::from(s.slot.0)),
-            w.sort.and_then(|s| s.key).map(i64::from),
+            valid(w.sort.is_some_and(|s| s.key().is_some())),
+            w.sort.map(|s| i64::from(s.slot().0)),
+            w.sort.and_then(|s| s.key()).map(i64::from),
             valid(w.sample.is_some()),
             w.sample.map(|s| i64::from(s.slot.0)),
             w.sample.map(|s| i64::from(s.value)),
@@ -121,7 +122,9 @@ impl Observer for Waveform {
             // The edge comes late: the words stay, and `freeze` is high until it does.
             let mut held = words.clone();
             self.keep(at, words);
-            held[6] = valid(true);
+            if let Some(freeze) = self.wires.iter().position(|wire| wire.name == "freeze") {
+                held[freeze] = valid(true);
+            }
             if w.clock + 1 < self.window.end {
                 self.keep(at.max(w.clock + 1), held);
             }
@@ -146,4 +149,34 @@ fn value(wire: &Wire, word: Option<i64>, code: &str) -> String {
 /// Short names of variables: printable characters behind `!`, which is the clock.
 fn code(index: usize) -> String {
     char::from(b'"' + index as u8).to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Frame, VolumeStore, jaw, no_progress, run};
+
+    /// The first read opens rows: `freeze` is high from the next clock on, for as long as that takes.
+    #[test]
+    fn freeze_is_high_while_the_memory_holds() {
+        let volume = VolumeStore::new(&jaw([16, 16, 8]).unwrap()).unwrap();
+        let spec = Spec::default();
+        let mut waveform = Waveform::new(&spec, 0..20);
+        let frame = Frame::new(&spec, &volume).unwrap();
+        run(&frame, &mut waveform, &no_progress).unwrap();
+        let vcd = waveform.to_vcd();
+        let index = waveform.wires.iter().position(|w| w.name == "freeze");
+        let freeze = code(index.unwrap());
+        let mut clock = "";
+        let mut high = Vec::new();
+        for line in vcd.lines() {
+            if let Some(time) = line.strip_prefix('#') {
+                clock = time;
+            } else if line == format!("1{freeze}") || line == format!("0{freeze}") {
+                high.push((clock, line.starts_with('1')));
+            }
+        }
+        // 6 clocks for rows that were closed; a clock of 100 MHz has 10,000 ps.
+        assert_eq!(high, [("0", false), ("10000", true), ("70000", false)]);
+    }
 }

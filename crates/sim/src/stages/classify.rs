@@ -61,6 +61,17 @@ impl Tables {
         }
     }
 
+    /// A pre-classification table as it was written, and nothing behind interpolation.
+    pub(crate) fn of_pre(pre: Vec<u16>, data: u32) -> Tables {
+        Tables {
+            kind: Classification::Pre,
+            pre,
+            post: (0..1 << data).map(|entry: u32| entry as u16).collect(),
+            integrated: Vec::new(),
+            data,
+        }
+    }
+
     /// The word on the bus for a stored voxel.
     #[inline]
     pub fn bus_word(&self, voxel: u16) -> u16 {

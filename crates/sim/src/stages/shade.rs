@@ -2,7 +2,7 @@
 //! (document §6.7). Widths of fraction, divider and arctan are not in the document; here they are `widths.norm`.
 
 use crate::fixed_point::{integer_sqrt, lerp};
-use crate::spec::{Light, Look};
+use crate::spec::{Light, Look, Widths};
 use glam::DVec3;
 use std::f64::consts::FRAC_PI_4;
 
@@ -37,11 +37,6 @@ impl ReflectanceMap {
         intensity: u32,
         axes: &ViewAxes,
     ) -> ReflectanceMap {
-        let one = 1u32 << norm;
-        let half = f64::from(one / 2);
-        let arctan = (0..=one)
-            .map(|n| ((f64::from(n) / f64::from(one)).atan() / FRAC_PI_4 * half).round() as u16)
-            .collect();
         let side = 1usize << index;
         let top = f64::from((1u32 << intensity) - 1);
         let support = |face: usize, c1: usize, c2: usize| {
@@ -65,10 +60,30 @@ impl ReflectanceMap {
         ReflectanceMap {
             norm,
             index,
-            arctan,
+            arctan: arctan(norm),
             cells,
             flat: (1 << intensity) - 1,
         }
+    }
+
+    /// A table as it was written: four supports of 8 bits a word, int0 lowest.
+    pub(crate) fn of_words(widths: &Widths, words: &[u32]) -> ReflectanceMap {
+        ReflectanceMap {
+            norm: widths.norm,
+            index: widths.reflectance_index,
+            arctan: arctan(widths.norm),
+            cells: words
+                .iter()
+                .map(|word| word.to_le_bytes().map(u16::from))
+                .collect(),
+            flat: (1 << widths.intensity) - 1,
+        }
+    }
+
+    /// The table as it is written.
+    pub(crate) fn to_words(&self) -> Vec<u32> {
+        let word = |cell: &[u16; 4]| u32::from_le_bytes(cell.map(|support| support as u8));
+        self.cells.iter().map(word).collect()
     }
 
     /// Bytes of the table, four per cell and 8 bits of intensity.
@@ -84,13 +99,8 @@ impl ReflectanceMap {
         if largest == 0 {
             return None;
         }
-        let axis = if size[0] == largest {
-            0
-        } else if size[1] == largest {
-            1
-        } else {
-            2
-        };
+        // Without branches, which would be as unpredictable as surfaces are.
+        let axis = usize::from(size[0] < largest) * (1 + usize::from(size[1] < largest));
         // A circuit shifts out common leading zeros and divides; the quotient is the same. Operands have less than 26 bits
         // and the quotient at most 15, so that a division in double precision never rounds up to the next whole number.
         let divisor = f64::from(largest);
@@ -129,6 +139,15 @@ impl ReflectanceMap {
         let high = lerp(c, d, rest(angle[0]), below);
         lerp(low, high, rest(angle[1]), below) as u32
     }
+}
+
+/// arctan(n / 2^norm), 2^(norm − 1) for 45°.
+fn arctan(norm: u32) -> Vec<u16> {
+    let one = 1u32 << norm;
+    let half = f64::from(one / 2);
+    (0..=one)
+        .map(|n| ((f64::from(n) / f64::from(one)).atan() / FRAC_PI_4 * half).round() as u16)
+        .collect()
 }
 
 /// The length of a gradient with `guard` fraction bits times `gain`: `data` bits, saturated.

@@ -4,7 +4,9 @@ use crate::{draw, jaw_spec, small_jaw, volume_of};
 use proptest::prelude::*;
 use std::ops::ControlFlow;
 use strahl_sim::observer::{Observer, Wires};
-use strahl_sim::spec::{Handover, Leaping, Optimisation, Order, Scheduling, Timing};
+use strahl_sim::spec::{
+    DistanceMemory, Handover, Leaping, Optimisation, Order, Scheduling, Timing,
+};
 use strahl_sim::{Frame, Nobody, Run, Spec, run};
 
 fn adds_up(drawn: &Run, pipelines: u32) {
@@ -76,14 +78,75 @@ proptest! {
         }
         spec.host.is_waited_for = waits;
         spec.latency.memory = memory;
+        if memory % 3 == 0 {
+            // News of ended rays that come when their tile is long done.
+            spec.latency.terminate = 60;
+        }
+        if memory % 2 == 1 {
+            spec.memory.distance_store = DistanceMemory::Sdram;
+        }
         if refresh {
             spec.memory.timing = Timing { refresh_interval: 100, refresh: 7, longest_open: 500, ..Timing::default() };
         }
         let drawn = draw(&spec, &volume);
         adds_up(&drawn, pipelines);
+        // With somebody looking on, every word is made in its clock by one thread; without, what rays look like is computed
+        // ahead by all: nothing that is counted differs.
+        let watched = run(&Frame::new(&spec, &volume).unwrap(), &mut Watch::default(), &strahl_sim::no_progress).unwrap();
+        prop_assert_eq!(watched.counters, drawn.counters);
+        prop_assert!(watched.picture == drawn.picture && watched.passing == drawn.passing);
+        prop_assert!(watched.ended_early == drawn.ended_early);
+        prop_assert_eq!(watched.stalls_of_pixel, &drawn.stalls_of_pixel[..]);
+        prop_assert_eq!(watched.thesis_changes_of_pixel, &drawn.thesis_changes_of_pixel[..]);
         prop_assert!(drawn.picture == expected.picture);
         prop_assert!(drawn.ended_early == expected.ended_early);
         prop_assert_eq!(drawn.counters.samples, expected.counters.samples);
+    }
+}
+
+/// All looks, directions and kinds of leaping: words made in their clock by one thread, or values computed ahead by one, two
+/// and five threads, are the same pictures and counts.
+#[test]
+fn counts_do_not_depend_on_threads() {
+    use strahl_sim::spec::{Bend, Classification, Projection, Reconstruction};
+    let volume = small_jaw();
+    type Change = fn(&mut Spec);
+    let changes: [Change; 8] = [
+        |_| (),
+        |s| s.optimisation = Optimisation::none(),
+        |s| s.view.projection = Projection::Perspective { angle_deg: 53.0 },
+        |s| s.optimisation.leaping = Leaping::Document,
+        |s| s.optimisation.adaptive_error = 4,
+        |s| {
+            s.look.classification = Classification::PreIntegrated;
+            s.optimisation.leaping = Leaping::Off;
+        },
+        |s| {
+            s.bend = Bend::Twist { deg_per_plane: 0.5 };
+            s.optimisation.leaping = Leaping::Off;
+            s.look.reconstruction = Reconstruction::Nearest;
+        },
+        |s| {
+            s.queue.pipelines = 3;
+            s.queue.handover = Handover::Refill;
+        },
+    ];
+    for (i, change) in changes.into_iter().enumerate() {
+        let mut spec = jaw_spec();
+        spec.view.rotate_z_deg = 20.0;
+        change(&mut spec);
+        let frame = Frame::new(&spec, &volume).unwrap();
+        let watched = run(&frame, &mut Watch::default(), &strahl_sim::no_progress).unwrap();
+        for threads in [1, 2, 5] {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+            let drawn = pool
+                .build()
+                .unwrap()
+                .install(|| run(&frame, &mut Nobody, &strahl_sim::no_progress).unwrap());
+            assert_eq!(drawn.counters, watched.counters, "{i}, {threads} threads");
+            assert!(drawn.picture == watched.picture, "{i}, {threads} threads");
+            assert!(drawn.stalls_of_pixel == watched.stalls_of_pixel);
+        }
     }
 }
 
@@ -199,38 +262,6 @@ fn volumes_and_tiles_of_odd_sizes() {
     }
 }
 
-/// A volume cut in two, each half on a board of its own, merged: the picture of the whole, but for rounding.
-#[test]
-fn two_boards_draw_the_halves_of_a_volume() {
-    let dims = [12, 20, 9];
-    let value = |i: usize| ((i * 37 + i / 3) % 90) as u8;
-    let whole: Vec<u8> = (0..12 * 20 * 9)
-        .map(|i| if i / 12 % 20 == 9 { 0 } else { value(i) })
-        .collect();
-    let half = |keep: std::ops::Range<usize>| {
-        let voxels = whole
-            .iter()
-            .enumerate()
-            .map(|(i, v)| if keep.contains(&(i / 12 % 20)) { *v } else { 0 });
-        volume_of(dims, voxels.collect())
-    };
-    let mut spec = Spec::default();
-    spec.widths = strahl_sim::spec::Widths::wide();
-    spec.look.opacity = vec![[0.0, 0.0], [255.0, 0.2]];
-    spec.optimisation.termination_threshold = 0.0;
-    let together = draw(&spec, &volume_of(dims, whole.clone()));
-    let (near, far) = (draw(&spec, &half(0..10)), draw(&spec, &half(10..20)));
-    let merged = strahl_sim::merge::over(&[&near, &far], 0.0);
-    let psnr = strahl_sim::study::psnr_db(&merged, &together.picture);
-    assert!(psnr > 60.0, "{psnr} dB");
-    let counters = strahl_sim::merge::boards(&[&near, &far]);
-    assert_eq!(counters.reads, near.counters.reads + far.counters.reads);
-    assert_eq!(
-        counters.clocks,
-        near.counters.clocks.max(far.counters.clocks)
-    );
-}
-
 #[test]
 fn a_moving_picture_has_an_eighth_of_the_samples() {
     let volume = small_jaw();
@@ -314,119 +345,4 @@ fn one_white_material_is_the_grey_picture_and_colours_are_in_their_channels() {
             "{a:?} {b}"
         );
     }
-}
-
-#[test]
-fn polygons_hide_what_is_behind_them_and_nothing_before() {
-    use strahl_sim::frame::Fragment;
-    let volume = small_jaw();
-    let mut spec = jaw_spec();
-    spec.optimisation.termination_threshold = 0.0;
-    let frame = Frame::new(&spec, &volume).unwrap();
-    let pixels = frame.setup.pixel_count();
-    let without = draw(&spec, &volume);
-    let with = |plane, opacity| {
-        let fragment = Fragment {
-            plane,
-            opacity,
-            intensity: [255; 3],
-        };
-        let frame = frame
-            .clone()
-            .with_fragments(vec![Some(fragment); pixels])
-            .unwrap();
-        run(&frame, &mut Nobody, &strahl_sim::no_progress).unwrap()
-    };
-    // Before everything: white, and rays end at their first sample.
-    let before = with(0, 255);
-    assert!(before.picture.iter().all(|p| *p > 0.99));
-    assert!(before.counters.reads < without.counters.reads / 4);
-    // Behind everything: like a white background.
-    let behind = with(1000, 255);
-    let mut white = spec.clone();
-    white.look.background = 1.0;
-    let expected = draw(&white, &volume);
-    assert!(strahl_sim::study::psnr_db(&behind.picture, &expected.picture) > 60.0);
-    // In the middle: the volume cut there, before white.
-    let middle = with(64, 255);
-    let cut: Vec<u16> = volume
-        .words
-        .iter()
-        .enumerate()
-        .map(|(i, w)| if i / 128 % 128 < 64 { *w } else { 0 })
-        .collect();
-    let front = strahl_sim::VolumeStore {
-        words: cut,
-        ..volume.clone()
-    };
-    let expected = draw(&white, &front);
-    // The sample before the cut interpolates towards what was cut away: its gradient differs.
-    assert!(strahl_sim::study::psnr_db(&middle.picture, &expected.picture) > 25.0);
-    // A clear one changes nothing.
-    assert!(with(64, 0).picture == without.picture);
-}
-
-#[test]
-fn bent_rays_see_what_lies_beside_them() {
-    use strahl_sim::frame::Deformation;
-    let volume = small_jaw();
-    let mut spec = jaw_spec();
-    spec.optimisation.leaping = Leaping::Off;
-    let frame = Frame::new(&spec, &volume).unwrap();
-    let pixels = frame.setup.pixel_count();
-    let bent = |right: i16| {
-        let deformation = Deformation {
-            planes: 1,
-            offsets: vec![[right, 0]; pixels],
-        };
-        run(
-            &frame.clone().with_deformation(deformation).unwrap(),
-            &mut Nobody,
-            &strahl_sim::no_progress,
-        )
-        .unwrap()
-    };
-    let straight = draw(&spec, &volume);
-    assert!(bent(0).picture == straight.picture);
-    // Two voxels to the right: the picture moves two pixels to the left.
-    let moved = bent(512);
-    for y in 0..64 {
-        for x in 0..120 {
-            assert_eq!(
-                moved.picture[y * 128 + x],
-                straight.picture[y * 128 + x + 2]
-            );
-        }
-    }
-    let message = Frame::new(&jaw_spec(), &volume)
-        .unwrap()
-        .with_deformation(Deformation {
-            planes: 1,
-            offsets: vec![[0, 0]; pixels],
-        })
-        .unwrap_err()
-        .to_string();
-    assert!(message.contains("optimisation.leaping"), "{message}");
-}
-
-/// Slabs draw the picture of one piece with fewer reads: near the eye their rays are not denser than voxels.
-#[test]
-fn intermediate_planes_read_less_for_the_same_picture() {
-    use strahl_sim::intermediate_planes::run_slabs;
-    use strahl_sim::spec::Projection;
-    let volume = small_jaw();
-    let mut spec = jaw_spec();
-    spec.look.background = 0.3;
-    spec.view.projection = Projection::Perspective { angle_deg: 90.0 };
-    let one = run_slabs(&spec, &volume, 1, &strahl_sim::no_progress).unwrap();
-    let four = run_slabs(&spec, &volume, 4, &strahl_sim::no_progress).unwrap();
-    assert_eq!(one.size, four.size);
-    assert_eq!(four.slabs.len(), 4);
-    assert!((four.counters.reads as f64) < 0.7 * one.counters.reads as f64);
-    let psnr = strahl_sim::study::psnr_db(&one.picture, &four.picture);
-    assert!(psnr > 25.0, "{psnr} dB");
-    // Whatever the slabs, nothing is read where the slabs before are opaque.
-    assert!(four.slabs[3].rays < 9 * four.slabs[0].rays);
-    assert!(run_slabs(&jaw_spec(), &volume, 4, &strahl_sim::no_progress).is_err());
-    assert!(run_slabs(&spec, &volume, 0, &strahl_sim::no_progress).is_err());
 }

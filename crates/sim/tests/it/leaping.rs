@@ -3,7 +3,7 @@
 use crate::{draw, jaw_spec, small_jaw, volume_of};
 use proptest::prelude::*;
 use strahl_sim::Spec;
-use strahl_sim::spec::{Classification, Leaping, Optimisation, Projection};
+use strahl_sim::spec::{Classification, DistanceMemory, Engine, Leaping, Optimisation, Projection};
 
 fn spec(leaping: Leaping, block: u32) -> Spec {
     let mut spec = Spec {
@@ -105,4 +105,78 @@ fn adaptive_sampling_reads_less_and_is_near() {
     assert!(adaptive.counters.skipped_by_adaptive_sampling > 0);
     let psnr = strahl_sim::study::psnr_db(&adaptive.picture, &exact.picture);
     assert!(psnr > 40.0, "{psnr} dB");
+}
+
+/// Distances of the circuit are cut at its margin: shorter leaps, the same picture. The clocks of coding are those of its
+/// columns.
+#[test]
+fn the_engine_of_columns_changes_no_pixel() {
+    let volume = small_jaw();
+    let mut spec = jaw_spec();
+    let software = draw(&spec, &volume);
+    assert_eq!(software.counters.coding_clocks, 0);
+    let mut reads = vec![software.counters.reads];
+    for margin in [8, 2] {
+        spec.optimisation.distance_engine = Some(Engine {
+            columns: 32,
+            rows: 32,
+            margin,
+            load_ms: 0,
+        });
+        let drawn = draw(&spec, &volume);
+        assert_eq!(drawn.picture, software.picture);
+        reads.push(drawn.counters.reads);
+        // The map has a layer of cells at −1.
+        let columns = 129u64.div_ceil(32 - 2 * u64::from(margin)).pow(2);
+        assert_eq!(drawn.counters.coding_clocks, 2 * columns * 32 * 32 * 65);
+    }
+    assert!(reads.is_sorted() && reads[0] < reads[2], "{reads:?}");
+    // One chip for coder and caster: it is loaded before and behind, and nothing of it happens in a frame.
+    let mut engine = spec.optimisation.distance_engine.unwrap();
+    let resident = draw(&spec, &volume).counters;
+    engine.load_ms = 2000;
+    spec.optimisation.distance_engine = Some(engine);
+    let loaded = draw(&spec, &volume).counters;
+    assert_eq!(
+        loaded.coding_clocks - resident.coding_clocks,
+        2 * 200_000_000
+    );
+    assert_eq!(loaded.clocks, resident.clocks);
+    spec.optimisation.distance_engine = Some(Engine {
+        columns: 32,
+        rows: 16,
+        margin: 8,
+        load_ms: 0,
+    });
+    let message = strahl_sim::Frame::new(&spec, &volume)
+        .unwrap_err()
+        .to_string();
+    assert!(
+        message.contains("margin is 8") && message.contains("at most 7"),
+        "{message}"
+    );
+}
+
+/// Rows of the distance store: only their clocks are added, and a word for 2³ cells has fewer of them.
+#[test]
+fn rows_of_the_distance_store_hold_the_pipeline() {
+    let volume = small_jaw();
+    let mut spec = jaw_spec();
+    let ideal = draw(&spec, &volume);
+    assert_eq!(ideal.counters.distance_row_changes, 0);
+    let mut changes = Vec::new();
+    for block in [1, 2] {
+        spec.optimisation.distance_block = block;
+        spec.memory.distance_store = DistanceMemory::Ideal;
+        let ideal = draw(&spec, &volume).counters;
+        spec.memory.distance_store = DistanceMemory::Sdram;
+        let drawn = draw(&spec, &volume);
+        let c = drawn.counters;
+        assert_eq!(drawn.picture, draw(&spec, &volume).picture);
+        assert_eq!((c.reads, c.row_changes), (ideal.reads, ideal.row_changes));
+        assert_eq!(c.clocks - ideal.clocks, c.frozen_for_distances);
+        assert!(c.frozen_for_distances <= 9 * c.distance_row_changes);
+        changes.push(c.distance_row_changes);
+    }
+    assert!(changes[0] > changes[1] && changes[1] > 100, "{changes:?}");
 }

@@ -2,8 +2,11 @@
 
 mod document;
 mod dram;
+mod extensions;
+mod host;
 mod invariants;
 mod leaping;
+mod shadow;
 
 use strahl_sim::{Frame, Nobody, Run, Spec, VolumeStore, jaw, no_progress, run};
 use strahl_volume::{Grid, Metadata, Rescale, Samples, Volume};

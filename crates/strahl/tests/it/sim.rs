@@ -85,6 +85,78 @@ fn a_scene_gives_direction_and_opacity() {
     assert!(said.contains("shells"), "{said}");
 }
 
+/// Every extension is a field of the Spec.
+#[test]
+fn extensions_are_fields() {
+    let folder = tempfile::tempdir().unwrap();
+    // One triangle before everything, in millimetres: volumes are centred.
+    let corners = "v -99 -99 -40\nv 99 -99 -40\nv 0 -99 99\nf 1 2 3\n";
+    std::fs::write(folder.path().join("front.obj"), corners).unwrap();
+    let perspective = "view.projection={\"perspective\":{\"angle_deg\":60}}";
+    for set in [
+        vec!["merge.boards=3", "merge.cut=z"],
+        vec!["shadow=from-left"],
+        vec!["merge.volumes=[{\"path\":\"shells\",\"at\":[40,0,0]}]"],
+        vec![perspective, "view.slabs=3"],
+        vec!["polygons.shape={\"sphere\":{\"centre\":[16,16,8],\"radius\":7}}"],
+        vec![
+            "polygons.shape={\"file\":{\"path\":\"front.obj\"}}",
+            "polygons.opacity=0.5",
+        ],
+        vec![
+            "bend={\"twist\":{\"deg_per_plane\":2}}",
+            "optimisation.leaping=off",
+        ],
+    ] {
+        let mut args = vec![
+            "sim", "run", "jaw", "--voxels", "32,32,16", "--stats", "json",
+        ];
+        args.extend(set.iter().flat_map(|change| ["--set", change]));
+        let stats: serde_json::Value =
+            serde_json::from_str(&run_well(folder.path(), &args)).unwrap();
+        assert_eq!(stats["is_complete"], true, "{set:?}");
+        assert!(stats["counters"]["clocks"].as_u64() > Some(1000), "{set:?}");
+    }
+}
+
+#[test]
+fn a_tile_is_drawn_over_the_bus() {
+    let folder = tempfile::tempdir().unwrap();
+    let args = [
+        "sim",
+        "run",
+        "jaw",
+        "--voxels",
+        "16,16,16",
+        "--host-script",
+        "tile.txt",
+        "--tile",
+        "1",
+    ];
+    run_well(folder.path(), &args);
+    let read = run_well(folder.path(), &["sim", "script", "tile.txt"]);
+    let first = read.lines().next().unwrap();
+    assert!(
+        first.starts_with("1 0x20000 ") && first.split(' ').count() == 68,
+        "{read}"
+    );
+    assert!(read.contains("pipeline clocks"), "{read}");
+    run_well(
+        folder.path(),
+        &["sim", "script", "tile.txt", "-o", "read.txt"],
+    );
+    let kept = std::fs::read_to_string(folder.path().join("read.txt")).unwrap();
+    assert_eq!(kept, read);
+    std::fs::write(folder.path().join("bad.txt"), "LB_CLK 10\nSWR 3\n").unwrap();
+    let bad = run(folder.path(), &["sim", "script", "bad.txt"]);
+    assert_eq!(bad.code, Some(1));
+    assert!(
+        bad.err.contains("bad.txt, line 2") && bad.err.contains("SWR_ACC"),
+        "{}",
+        bad.err
+    );
+}
+
 #[test]
 fn what_cannot_be_built_is_refused_with_the_bound() {
     let folder = tempfile::tempdir().unwrap();
@@ -114,6 +186,20 @@ fn what_cannot_be_built_is_refused_with_the_bound() {
             ["--window", "300..400"],
         ),
         (vec!["sim", "run", "nothing.nii"], ["nothing.nii", ""]),
+        (
+            vec!["sim", "run", "jaw", "--set", "view.slabs=3"],
+            ["view.slabs is 3", "perspective"],
+        ),
+        (
+            vec![
+                "sim",
+                "run",
+                "jaw",
+                "--set",
+                "polygons.shape={\"file\":{\"path\":\"no.stl\"}}",
+            ],
+            ["cannot read no.stl", ""],
+        ),
         (
             vec!["sim", "study", "bundel", "-o", "out"],
             ["bundel", "bundle"],

@@ -2,7 +2,9 @@
 
 mod sim;
 
-pub use sim::{SimCommand, SimRunFlags, SimSpecFlags, SimStatsFormat, SimStudyFlags};
+pub use sim::{
+    SimCommand, SimRunFlags, SimScriptFlags, SimSpecFlags, SimStatsFormat, SimStudyFlags,
+};
 
 use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand, ValueEnum};

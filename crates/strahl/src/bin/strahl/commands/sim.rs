@@ -2,7 +2,7 @@
 
 use crate::args;
 use crate::flags::{
-    ReadFlags, SimCommand, SimRunFlags, SimSpecFlags, SimStatsFormat, SimStudyFlags,
+    ReadFlags, SimCommand, SimRunFlags, SimScriptFlags, SimSpecFlags, SimStatsFormat, SimStudyFlags,
 };
 use crate::print;
 use crate::progress::Progress;
@@ -16,15 +16,19 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 use strahl::glam::DVec3;
 use strahl::scene::plan;
+use strahl::sim::local_bus::LocalBus;
 use strahl::sim::pipeline_diagram::PipelineDiagram;
 use strahl::sim::report::{Report, Table, html};
-use strahl::sim::spec::{Optimisation, Projection, RowRule};
+use strahl::sim::spec::{Optimisation, Projection, RowRule, Shape};
 use strahl::sim::statistics::{Statistics, counts};
 use strahl::sim::study::{Lab, STUDIES};
 use strahl::sim::waveform::Waveform;
-use strahl::sim::{Frame, Nobody, Run, Spec, VolumeStore, gray_png, jaw, messages};
-use strahl::volume::Phantom;
-use strahl::{Output, Render, SceneFile, Volume};
+use strahl::sim::{
+    Frame, Nobody, Picture, Run, Spec, Subject, VolumeStore, gray_png, host_script, jaw, messages,
+};
+use strahl::volume::read::mesh::read_mesh;
+use strahl::volume::{Mesh, Phantom};
+use strahl::{Folder, Output, Render, SceneFile, Volume};
 
 /// Whether a run is under way that can end with what it has.
 static RUNNING: AtomicBool = AtomicBool::new(false);
@@ -47,6 +51,19 @@ pub fn run(command: &SimCommand, quiet: bool) -> Result<()> {
         SimCommand::Run(flags) => run_frame(flags, quiet),
         SimCommand::Spec(flags) => spec(flags),
         SimCommand::Study(flags) => study(flags, quiet),
+        SimCommand::Script(flags) => script(flags),
+    }
+}
+
+fn script(flags: &SimScriptFlags) -> Result<()> {
+    let file = flags.script.display().to_string();
+    let text = fs::read_to_string(&flags.script).with_context(|| format!("cannot read {file}"))?;
+    let spec = read_spec(flags.spec.as_deref())?.unwrap_or_default();
+    let output = flags.output.as_deref().map(Output::create).transpose()?;
+    let read = host_script::run(&file, &text, &spec.with(&flags.set)?)?;
+    match output {
+        Some(output) => write(Some(output), read.as_bytes()),
+        None => print::out(&read),
     }
 }
 
@@ -88,17 +105,30 @@ fn run_frame(flags: &SimRunFlags, quiet: bool) -> Result<()> {
     let vcd = create(&flags.vcd)?;
     let diagram = create(&flags.diagram)?;
     let report = create(&flags.report)?;
+    let host_script = create(&flags.host_script)?;
 
     let given = read_spec(flags.spec.as_deref())?;
     let mut spec = given.clone().unwrap_or_default();
-    let store = subject(flags, given.is_some(), &mut spec, quiet)?;
+    let store = first_volume(flags, given.is_some(), &mut spec, quiet)?;
     if flags.brute_force {
         spec.optimisation = Optimisation::none();
     }
     let spec = spec.with(&flags.set)?;
+    let subject = Subject {
+        volume: &store,
+        others: others(&spec, quiet)?,
+        mesh: mesh(&spec, quiet)?,
+    };
     let preparing = Progress::new("loading", quiet);
-    let frame = Frame::new(&spec, &store)?;
+    let picture = Picture::new(&spec, &subject)?;
     drop(preparing);
+    if host_script.is_some() {
+        let frame = Frame::new(&spec, &store)?;
+        let text = host_script::of_tile(&frame, &store, flags.tile)?;
+        // That it can be run at all is found now.
+        LocalBus::new(&spec)?;
+        write(host_script, text.as_bytes())?;
+    }
 
     let rays = (spec.queue.bundle[0] * spec.queue.bundle[1]) as usize;
     let mut observers = (
@@ -115,8 +145,8 @@ fn run_frame(flags: &SimRunFlags, quiet: bool) -> Result<()> {
         };
         RUNNING.store(true, Ordering::Relaxed);
         let drawn = match is_observed {
-            true => strahl::sim::run(&frame, &mut observers, &progress),
-            false => strahl::sim::run(&frame, &mut Nobody, &progress),
+            true => picture.draw(&mut observers, &progress),
+            false => picture.draw(&mut Nobody, &progress),
         };
         RUNNING.store(false, Ordering::Relaxed);
         drawn?
@@ -189,7 +219,7 @@ fn window(text: &str) -> Result<Range<u64>> {
 }
 
 /// The volume that was named; a scene also sets view, step and opacity.
-fn subject(
+fn first_volume(
     flags: &SimRunFlags,
     has_spec: bool,
     spec: &mut Spec,
@@ -201,14 +231,11 @@ fn subject(
     let dims = flags.voxels.as_deref().map(args::dims).transpose()?;
     let name = first.to_str().unwrap_or_default();
     if !first.exists() && others.is_empty() {
-        if name == "jaw" {
-            if !has_spec {
-                spec.look.opacity = vec![[1000.0, 0.0], [4095.0, 1.0]];
-            }
-            return Ok(VolumeStore::new(&jaw(dims.unwrap_or([128, 128, 64]))?)?);
+        if name == "jaw" && !has_spec {
+            spec.look.opacity = vec![[1000.0, 0.0], [4095.0, 1.0]];
         }
-        if let Some(phantom) = Phantom::from_name(name) {
-            return phantom_store(phantom, dims);
+        if let Some(store) = phantom(name, dims)? {
+            return Ok(store);
         }
     }
     if dims.is_some() {
@@ -227,9 +254,49 @@ fn subject(
     Ok(VolumeStore::new(&loaded.volume)?)
 }
 
-fn phantom_store(phantom: Phantom, dims: Option<[usize; 3]>) -> Result<VolumeStore> {
-    let dims = dims.unwrap_or_else(|| phantom.dims_for_edge(128));
-    Ok(VolumeStore::new(&phantom.volume(dims)?)?)
+/// A phantom by its name.
+fn phantom(name: &str, dims: Option<[usize; 3]>) -> Result<Option<VolumeStore>> {
+    let volume = match (name, Phantom::from_name(name)) {
+        ("jaw", _) => jaw(dims.unwrap_or([128, 128, 64]))?,
+        (_, Some(phantom)) => phantom.volume(dims.unwrap_or_else(|| phantom.dims_for_edge(128)))?,
+        _ => return Ok(None),
+    };
+    Ok(Some(VolumeStore::new(&volume)?))
+}
+
+/// The volumes that `merge.volumes` names.
+fn others(spec: &Spec, quiet: bool) -> Result<Vec<VolumeStore>> {
+    let volumes = spec.merge.volumes.iter().map(|placed| {
+        let path = PathBuf::from(&placed.path);
+        if !path.exists()
+            && let Some(store) = phantom(&placed.path, None)?
+        {
+            return Ok(store);
+        }
+        let loaded = super::load(&[path], &ReadFlags::default(), quiet)?;
+        for note in &loaded.notes {
+            print::note(note, quiet);
+        }
+        Ok(VolumeStore::new(&loaded.volume)?)
+    });
+    volumes.collect()
+}
+
+/// The mesh that `polygons.shape` names.
+fn mesh(spec: &Spec, quiet: bool) -> Result<Option<Mesh>> {
+    let Shape::File { path } = &spec.polygons.shape else {
+        return Ok(None);
+    };
+    let file = Path::new(path);
+    fs::metadata(file).with_context(|| format!("cannot read {path}"))?;
+    let name = file
+        .file_name()
+        .with_context(|| format!("{path} names no file"))?;
+    let loaded = read_mesh(&name.to_string_lossy(), &Folder::around(file), None)?;
+    for note in &loaded.notes {
+        print::note(note, quiet);
+    }
+    Ok(Some(loaded.mesh))
 }
 
 fn scene(file: SceneFile, has_spec: bool, spec: &mut Spec, quiet: bool) -> Result<VolumeStore> {
@@ -363,6 +430,36 @@ fn summary(s: &Statistics) -> String {
         c.frozen_for_refresh,
         c.bubbles()
     );
+    if c.distance_row_changes > 0 {
+        let _ = writeln!(
+            text,
+            "  distance store: {} row changes, {} clocks frozen beyond those for voxels",
+            c.distance_row_changes, c.frozen_for_distances
+        );
+    }
+    if c.coding_clocks > 0 {
+        let _ = writeln!(
+            text,
+            "  distance engine: {} clocks, once per classification",
+            c.coding_clocks
+        );
+    }
+    if c.light_samples > 0 {
+        let _ = writeln!(
+            text,
+            "  light pass: {} reads for {} samples",
+            c.light_reads, c.light_samples
+        );
+    }
+    if !s.clocks_of_part.is_empty() {
+        let clocks: Vec<String> = s.clocks_of_part.iter().map(u64::to_string).collect();
+        let what = if s.spec.view.slabs > 1 {
+            "slab"
+        } else {
+            "board"
+        };
+        let _ = writeln!(text, "  clocks of each {what}: {}", clocks.join(", "));
+    }
     text
 }
 
@@ -377,9 +474,11 @@ fn page(s: &Statistics, drawn: &Run, spec: &Spec, svg: String) -> Result<Report>
     let c = &s.counters;
     for (name, number) in [
         ("reads", c.reads),
+        ("reads of light rays", c.light_reads),
         ("frozen for rows", c.frozen_for_rows),
         ("frozen for words", c.frozen_for_words),
         ("frozen for refreshes", c.frozen_for_refresh),
+        ("frozen for distances", c.frozen_for_distances),
         ("no ray waits", c.bubbles_empty),
         ("the ray has ended", c.bubbles_ended),
         ("no ray has its rows", c.bubbles_rows),
@@ -449,9 +548,8 @@ fn study(flags: &SimStudyFlags, quiet: bool) -> Result<()> {
         lab.volumes.push((store, Vec::new()));
     }
     for name in &flags.phantom {
-        if let Some(phantom) = Phantom::from_name(name) {
-            lab.volumes
-                .push((phantom_store(phantom, None)?, Vec::new()));
+        if let Some(store) = phantom(name, None)? {
+            lab.volumes.push((store, Vec::new()));
         }
     }
     RUNNING.store(true, Ordering::Relaxed);

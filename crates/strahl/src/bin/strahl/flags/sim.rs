@@ -9,6 +9,7 @@ pub enum SimCommand {
     Run(Box<SimRunFlags>),
     Spec(SimSpecFlags),
     Study(SimStudyFlags),
+    Script(SimScriptFlags),
 }
 
 /// Draw a picture on the modelled processor and count its clocks
@@ -74,6 +75,14 @@ pub struct SimRunFlags {
     )]
     pub window: String,
 
+    /// What a host sends to draw one tile of this picture: a script for `strahl sim script`
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    pub host_script: Option<PathBuf>,
+
+    /// The tile of --host-script, from 0 at the bottom left
+    #[arg(long, value_name = "N", default_value_t = 0, help_heading = "Output")]
+    pub tile: usize,
+
     /// Everything on one page: HTML
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub report: Option<PathBuf>,
@@ -114,6 +123,30 @@ pub struct SimSpecFlags {
     /// Print every wire with its width
     #[arg(long)]
     pub wires: bool,
+}
+
+/// Run the accesses of a host over the local bus, and print what they read
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  strahl sim run jaw --voxels 16,16,16 --host-script tile.txt --tile 1
+  strahl sim script tile.txt
+  strahl sim script tile.txt --set host.single_clocks=9 -o read.txt")]
+pub struct SimScriptFlags {
+    /// The script: LB_CLK, WAITING, SWR_ACC, SRD_ACC, DDW_ACC, DDR_ACC, one a line
+    #[arg(value_name = "FILE")]
+    pub script: PathBuf,
+
+    /// What is built: a Spec
+    #[arg(long, value_name = "FILE")]
+    pub spec: Option<PathBuf>,
+
+    /// Change a field of the Spec; repeatable
+    #[arg(long, value_name = "PATH=VALUE", allow_hyphen_values = true)]
+    pub set: Vec<String>,
+
+    /// Where what was read goes; stdout without
+    #[arg(long, short, value_name = "FILE")]
+    pub output: Option<PathBuf>,
 }
 
 /// Make tables and curves of a study, or of all
