@@ -1,9 +1,11 @@
 //! Whether renderers keep docs/plan.md: against the truth, closed forms, and themselves.
 
 mod agree;
+mod evaluate;
 mod extreme_volumes;
 mod goldens;
 mod gpu;
+mod graph;
 mod metamorphic;
 mod orientation;
 mod random;

@@ -170,7 +170,7 @@ pub enum Error {
     },
     /// A shader function without a twin for the processor.
     #[error(
-        "the function {function} for the slot {slot} runs on graphics processors only; draw with --backend gpu, or leave it out"
+        "the function {function} for the slot {slot} has no form for this renderer; draw its program with strahl-evaluate or on a graphics processor, or leave it out"
     )]
     NoTwin {
         /// Name of the function.

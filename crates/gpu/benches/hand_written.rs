@@ -28,6 +28,7 @@ fn main() {
         wgsl: include_str!("hand_written.wgsl").into(),
         parts: Vec::new(),
         orders: [Arc::from(""), Arc::from("")],
+        functions: Vec::new(),
         objects: 1,
     };
     let hand_written = Linker::new()
@@ -56,7 +57,7 @@ fn main() {
             let a = renderer.render(&plan, no_progress).unwrap();
             let middle = cpu_seconds();
             let b = renderer
-                .render_by(&plan, &hand_written, &settings, no_progress)
+                .render_by(&plan, &hand_written, &settings, &[], no_progress)
                 .unwrap();
             // The first round makes pipelines.
             if round > 0 {

@@ -102,7 +102,7 @@ fn lit(color: vec3f, position: vec3f, to_eye: vec3f) -> vec3f {
 }
 
 fn empty_points(position: vec3f, step: vec3f) -> f32 {
-    let last = vec3f((frame.object.dims - 1u) / u32(BRICK));
+    let last = vec3f((max(frame.object.dims, vec3u(2u)) - 2u) / u32(BRICK));
     let brick = clamp(floor(position / BRICK), vec3f(0.0), last);
     if textureLoad(bricks, vec3u(brick), 0).r != 0u {
         return 0.0;

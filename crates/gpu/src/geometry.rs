@@ -2,11 +2,11 @@
 
 use crate::device::Device;
 use crate::error::Error;
-use crate::frame::{rows, single};
 use crate::pipelines::{COLOR, DISTANCE};
 use crate::target::{PART, Plane};
 use bytemuck::{Pod, Zeroable};
 use glam::{DAffine3, DVec3, Vec3};
+use strahl_program::{rows, single};
 use strahl_scene::plan::{Plan, PlanLight, Projection};
 use strahl_shader::NOWHERE_MM;
 use strahl_volume::Mesh;

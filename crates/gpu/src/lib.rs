@@ -25,10 +25,7 @@
 mod data;
 mod device;
 mod error;
-mod frame;
-mod functions;
 mod geometry;
-mod occupancy;
 mod pipelines;
 mod target;
 mod volume_texture;
@@ -37,35 +34,20 @@ pub use device::{Adapter, Device, adapters};
 pub use error::Error;
 
 use data::Data;
-use frame::{Frame, Object};
-use functions::Functions;
 use geometry::Geometry;
 use pipelines::{Pipelines, Ready};
 use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::time::Instant;
-use strahl_scene::plan::{Jitter, Plan};
-use strahl_scene::{Image, NoiseTile};
-use strahl_shader::{Linker, NOWHERE_MM, Program, RayLoop, TABLE_ROW, Texels, bindings, ray_loop};
+use strahl_program::{
+    Frame, Functions, Object, Table2d, noise_tile, stacked, tables, visible_bricks,
+};
+use strahl_scene::Image;
+use strahl_scene::plan::Plan;
+use strahl_shader::{Linker, NOWHERE_MM, Program, RayLoop, TABLE_ROW, bindings, ray_loop};
 use strahl_volume::Datasets;
 use target::{PART, Target};
 use wgpu::BindingResource::{Sampler, TextureView};
-
-/// The program that draws `plan` where the texture unit interpolates the volumes; no device is needed.
-///
-/// # Errors
-/// The functions cannot be linked.
-pub fn program(plan: &Plan) -> Result<Arc<Program>, Error> {
-    let functions = Functions::of(plan, true, |_, threshold| f64::from(threshold))?;
-    let volumes = plan.objects.iter().map(|object| object.volume + 1).max();
-    let skeleton = ray_loop(&RayLoop {
-        volumes: vec![Texels::Float; volumes.unwrap_or(1)],
-        objects: plan.objects.len(),
-        is_before_geometry: !plan.meshes.is_empty(),
-        is_finite: false,
-    })?;
-    Ok(Linker::new().link(&skeleton, &functions.selection)?)
-}
 
 /// A function that does nothing with the progress and never ends the picture.
 pub fn no_progress(_drawn: usize, _total: usize) -> ControlFlow<()> {
@@ -153,18 +135,32 @@ impl<'d, 'v> Renderer<'d, 'v> {
         })
     }
 
-    fn functions(&self, plan: &Plan) -> Result<Functions, Error> {
+    /// The functions of `plan` as this device runs them.
+    ///
+    /// # Errors
+    /// As [`Renderer::program`].
+    pub fn functions(&self, plan: &Plan) -> Result<Functions, Error> {
         let threshold = |mask: usize, threshold| self.data.masks[mask].threshold(threshold);
         Ok(Functions::of(plan, self.data.is_filtered(plan), threshold)?)
     }
 
-    fn link(&mut self, plan: &Plan, functions: &Functions) -> Result<Arc<Program>, Error> {
-        let skeleton = ray_loop(&RayLoop {
+    /// The ray loop over the data of `plan` as this device holds it.
+    ///
+    /// # Errors
+    /// The Plan belongs to other data.
+    pub fn loop_of(&mut self, plan: &Plan) -> Result<RayLoop, Error> {
+        self.data.check(plan)?;
+        self.data.make_coefficients(self.device, plan)?;
+        Ok(RayLoop {
             volumes: self.data.texels(plan),
             objects: plan.objects.len(),
             is_before_geometry: !plan.meshes.is_empty(),
-            is_finite: self.data.are_finite() && functions.selection.is_built_in(),
-        })?;
+            is_finite: self.data.are_finite() && plan.modules.is_empty(),
+        })
+    }
+
+    fn link(&mut self, plan: &Plan, functions: &Functions) -> Result<Arc<Program>, Error> {
+        let skeleton = ray_loop(&self.loop_of(plan)?)?;
         Ok(self.linker.link(&skeleton, &functions.selection)?)
     }
 
@@ -203,7 +199,7 @@ impl<'d, 'v> Renderer<'d, 'v> {
         let start = Instant::now();
         let program = self.program(plan)?;
         let parameters = self.functions(plan)?.parameters(&program)?;
-        let mut rendered = self.render_by(plan, &program, &parameters, progress)?;
+        let mut rendered = self.render_by(plan, &program, &parameters, &[], progress)?;
         let all = start.elapsed().as_secs_f64();
         let stats = &mut rendered.stats;
         stats.link_seconds = all - stats.prepare_seconds - stats.draw_seconds;
@@ -211,7 +207,8 @@ impl<'d, 'v> Renderer<'d, 'v> {
     }
 
     /// Draws `plan` by a program of the caller's, which reads what [`strahl_shader::bindings`] lists.
-    /// `parameters` is its uniform block.
+    /// `parameters` is its uniform block, `textures` what is bound from
+    /// [`FIRST_TEXTURE`](strahl_shader::bindings::FIRST_TEXTURE) on.
     ///
     /// # Errors
     /// As [`Renderer::render`].
@@ -220,6 +217,7 @@ impl<'d, 'v> Renderer<'d, 'v> {
         plan: &Plan,
         program: &Arc<Program>,
         parameters: &[u8],
+        textures: &[Table2d],
         progress: impl Fn(usize, usize) -> ControlFlow<()>,
     ) -> Result<Rendered, Error> {
         let start = Instant::now();
@@ -230,7 +228,7 @@ impl<'d, 'v> Renderer<'d, 'v> {
             .pipelines
             .of(self.device, program, &texels, plan.with_depth)?;
         let linked = Instant::now();
-        let mut prepared = self.prepare(plan, program, &ready, parameters);
+        let mut prepared = self.prepare(plan, program, &ready, parameters, textures);
         if plan.with_depth {
             self.target.with_depth(self.device);
         }
@@ -348,6 +346,7 @@ impl<'d, 'v> Renderer<'d, 'v> {
         program: &Program,
         ready: &Ready,
         parameters: &[u8],
+        textures: &[Table2d],
     ) -> Prepared {
         let frame = Frame::of(plan);
         let mut objects: Vec<_> = plan
@@ -382,6 +381,17 @@ impl<'d, 'v> Renderer<'d, 'v> {
             [1; 3],
             &[0; 4],
         );
+        let textures: Vec<_> = (textures.iter())
+            .map(|texture| {
+                self.texture(
+                    "texture of a graph",
+                    wgpu::TextureDimension::D2,
+                    wgpu::TextureFormat::Rgba32Float,
+                    [texture.width, texture.height, 1],
+                    bytemuck::cast_slice(&texture.texels),
+                )
+            })
+            .collect();
         let entries: Vec<_> = program
             .bindings()
             .into_iter()
@@ -404,6 +414,10 @@ impl<'d, 'v> Renderer<'d, 'v> {
                     _ if binding < bindings::FIRST_VOLUME => {
                         let mask = (binding - bindings::FIRST_MASK) as usize;
                         TextureView(self.data.masks.get(mask).map_or(&nothing, |m| m.view()))
+                    }
+                    _ if binding >= bindings::FIRST_TEXTURE => {
+                        let texture = (binding - bindings::FIRST_TEXTURE) as usize;
+                        TextureView(textures.get(texture).unwrap_or(&tables))
                     }
                     _ => {
                         let volume = (binding - bindings::FIRST_VOLUME) as usize;
@@ -440,12 +454,7 @@ impl<'d, 'v> Renderer<'d, 'v> {
 
     /// The transfer tables of all objects in rows of [`TABLE_ROW`] entries.
     fn tables(&self, plan: &Plan, objects: &mut [Object]) -> wgpu::TextureView {
-        let mut entries = Vec::new();
-        for (planned, object) in plan.objects.iter().zip(objects) {
-            object.table_first = entries.len() as u32;
-            entries.extend_from_slice(planned.table.entries());
-            entries.resize(entries.len().next_multiple_of(TABLE_ROW as usize), [0.0; 4]);
-        }
+        let entries = tables(plan, objects);
         self.texture(
             "transfer tables",
             wgpu::TextureDimension::D2,
@@ -457,17 +466,7 @@ impl<'d, 'v> Renderer<'d, 'v> {
 
     /// Which bricks can be seen, the objects behind one another along z.
     fn bricks(&self, plan: &Plan, objects: &mut [Object]) -> wgpu::TextureView {
-        let of_object: Vec<_> = (0..objects.len())
-            .map(|i| {
-                let bricks = self.data.bricks(plan, i);
-                let dims = bricks.dims().map(|n| n as u32);
-                (dims, occupancy::occupancy(bricks, plan, i))
-            })
-            .collect();
-        let (dims, bytes, first) = stacked(&of_object);
-        for (object, first) in objects.iter_mut().zip(first) {
-            object.bricks_first = [0, 0, first];
-        }
+        let (dims, bytes) = visible_bricks(plan, objects, |i| self.data.bricks(plan, i));
         self.texture(
             "bricks",
             wgpu::TextureDimension::D3,
@@ -504,17 +503,7 @@ impl<'d, 'v> Renderer<'d, 'v> {
     }
 
     fn noise_tile(&self, plan: &Plan) -> wgpu::TextureView {
-        let (edge, values) = match plan.lattice.jitter {
-            Jitter::WhiteTile(seed) => {
-                let tile = NoiseTile::white(seed);
-                (tile.edge(), tile.values().to_vec())
-            }
-            Jitter::BlueTile(seed) => {
-                let tile = NoiseTile::blue(seed);
-                (tile.edge(), tile.values().to_vec())
-            }
-            Jitter::Centre | Jitter::Hash(_) | Jitter::SineHash => (1, vec![0.5]),
-        };
+        let (edge, values) = noise_tile(plan);
         self.texture(
             "noise tile",
             wgpu::TextureDimension::D2,
@@ -560,28 +549,4 @@ impl<'d, 'v> Renderer<'d, 'v> {
         );
         texture.create_view(&wgpu::TextureViewDescriptor::default())
     }
-}
-
-/// Blocks behind one another along z, in one block that is wide enough for all: its dimensions, its
-/// elements, and where each begins.
-fn stacked<T: Copy + Default>(blocks: &[([u32; 3], Vec<T>)]) -> ([u32; 3], Vec<T>, Vec<u32>) {
-    let most = |axis: usize| blocks.iter().map(|(dims, _)| dims[axis]).max().unwrap_or(1);
-    let (width, height) = (most(0), most(1));
-    let depth: u32 = blocks.iter().map(|(dims, _)| dims[2]).sum();
-    let mut all = vec![T::default(); (width * height) as usize * depth as usize];
-    let mut first = Vec::new();
-    let mut z0 = 0;
-    for (dims, elements) in blocks {
-        first.push(z0);
-        let [nx, ny, nz] = dims.map(|n| n as usize);
-        for z in 0..nz {
-            for y in 0..ny {
-                let from = nx * (y + ny * z);
-                let to = width as usize * (y + height as usize * (z + z0 as usize));
-                all[to..to + nx].copy_from_slice(&elements[from..from + nx]);
-            }
-        }
-        z0 += dims[2];
-    }
-    ([width, height, depth], all, first)
 }

@@ -152,6 +152,7 @@ fn binding_type(binding: u32, texels: &[Texels]) -> wgpu::BindingType {
             texture(unfilterable, D2)
         }
         _ if binding < bindings::FIRST_VOLUME => texture(unfilterable, D3),
+        _ if binding >= bindings::FIRST_TEXTURE => texture(unfilterable, D2),
         _ => {
             let volume = (binding - bindings::FIRST_VOLUME) as usize;
             let sample_type = match texels[volume] {
@@ -171,7 +172,8 @@ fn make(device: &wgpu::Device, program: &Program, texels: &[Texels], with_depth:
         .into_iter()
         .map(|binding| wgpu::BindGroupLayoutEntry {
             binding,
-            visibility: wgpu::ShaderStages::FRAGMENT,
+            // Nodes of a graph may run at the vertices.
+            visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
             ty: binding_type(binding, texels),
             count: None,
         })

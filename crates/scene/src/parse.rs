@@ -91,7 +91,7 @@ impl Scene {
         }
         let plain = with_lines_of(text, plain);
         let mut json = serde_json::Deserializer::from_str(&plain);
-        let scene: Scene = serde_path_to_error::deserialize(&mut json).map_err(|error| {
+        let mut scene: Scene = serde_path_to_error::deserialize(&mut json).map_err(|error| {
             let path = error.path().to_string();
             located(file.clone(), path, error.into_inner())
         })?;
@@ -103,7 +103,12 @@ impl Scene {
         let as_understood = serde_json::to_value(&scene).unwrap_or_default();
         match list_for_object(&as_written, &as_understood, "scene") {
             Some(path) => Err(Error::List { file, path }),
-            None => Ok(scene),
+            None => {
+                if let Some(graph) = &mut scene.graph {
+                    graph.with_lines_of(&plain);
+                }
+                Ok(scene)
+            }
         }
     }
 
@@ -149,11 +154,16 @@ fn list_for_object(
     use serde_json::Value;
     match (text, scene) {
         (Value::Array(_), Value::Object(_)) => Some(path.to_owned()),
-        (Value::Array(text), Value::Array(scene)) if path != "transfer_function.points" => text
-            .iter()
-            .zip(scene)
-            .enumerate()
-            .find_map(|(i, (text, scene))| list_for_object(text, scene, &format!("{path}[{i}]"))),
+        (Value::Array(text), Value::Array(scene))
+            if !path.ends_with("transfer_function.points") =>
+        {
+            text.iter()
+                .zip(scene)
+                .enumerate()
+                .find_map(|(i, (text, scene))| {
+                    list_for_object(text, scene, &format!("{path}[{i}]"))
+                })
+        }
         (Value::Object(text), Value::Object(scene)) => text.iter().find_map(|(key, text)| {
             let inner = match path {
                 "scene" => key.clone(),

@@ -142,6 +142,7 @@ pub fn settled_with(scene: &Scene, headers: &Headers) -> Scene {
             }
             (own, of_quality) => own.clone().or(of_quality),
         },
+        graph: scene.graph.clone(),
         early_termination: scene.early_termination.or(matches!(
             method,
             Method::EmissionAbsorption | Method::Mida

@@ -4,8 +4,8 @@ use crate::parse::nearest;
 use crate::plan;
 use crate::problem::{Checker, Number, Within};
 use crate::{
-    Background, Camera, Clip, FunctionUse, Light, Placement, Problem, Problems, SceneObject,
-    TransferFunction,
+    Background, Camera, Clip, FunctionUse, GraphText, Light, Placement, Problem, Problems,
+    SceneObject, TransferFunction,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -92,6 +92,10 @@ pub struct Scene {
     /// Shader functions by slot, such as `classify`: of the library by name, or your own as a `.wgsl` file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub functions: Option<BTreeMap<String, FunctionUse>>,
+    /// Rays programmed by a graph: a graph of your own, or edits of the one that the settings make. Its keys are
+    /// those of `docs/graph.schema.json`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub graph: Option<GraphText>,
     /// A ray ends when less than this share of light still passes (0 to 1; 0 never); default 1/256.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub early_termination: Option<f64>,

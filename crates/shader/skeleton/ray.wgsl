@@ -97,6 +97,23 @@ fn place_mm(position: vec3f) -> vec3f {
     return rows_times(frame.objects[object()].world_from_voxel, vec4f(position, 1.0));
 }
 
+fn voxel_of(place_mm: vec3f) -> vec3f {
+    return rows_times(frame.objects[object()].voxel_from_world, vec4f(place_mm, 1.0));
+}
+
+fn step_mm() -> f32 {
+    return frame.step_mm;
+}
+
+// Right, up, towards the eye.
+fn in_camera(v: vec3f) -> vec3f {
+    return vec3f(dot(v, frame.right), dot(v, frame.up), -dot(v, frame.forward));
+}
+
+fn table_domain() -> vec2f {
+    return frame.objects[object()].table_domain;
+}
+
 fn gradient_per_mm(gradient_per_voxel: vec3f) -> vec3f {
     let m = frame.objects[object()].voxel_from_world;
     return m[0].xyz * gradient_per_voxel.x + m[1].xyz * gradient_per_voxel.y + m[2].xyz * gradient_per_voxel.z;
@@ -160,7 +177,8 @@ fn extent_mm(line: Line) -> vec2f {
 // How many lattice points from `position` on, on the way of `step`, lie in a brick in which nothing
 // can be seen.
 fn empty_points(position: vec3f, step: vec3f) -> f32 {
-    let last = vec3f((frame.objects[object()].dims - 1u) / u32(BRICK));
+    // Bricks hold cells, of which there is one less than voxels.
+    let last = vec3f((max(frame.objects[object()].dims, vec3u(2u)) - 2u) / u32(BRICK));
     let brick = clamp(floor(position / BRICK), vec3f(0.0), last);
     if textureLoad(bricks, bricks_first() + vec3u(brick), 0).r != 0u {
         return 0.0;
@@ -184,9 +202,8 @@ fn ray_of(pixel: vec2u) -> Ray {
     return Ray(frame.eye_mm + offset, frame.forward);
 }
 
-@vertex
-fn vertex(@builtin(vertex_index) index: u32) -> @builtin(position) vec4f {
-    // One triangle over the whole picture.
+// One triangle over the whole picture.
+fn corner(index: u32) -> vec4f {
     return vec4f(f32(index & 1u) * 4.0 - 1.0, f32(index >> 1u) * 4.0 - 1.0, 0.0, 1.0);
 }
 
@@ -196,19 +213,8 @@ fn pixel_at(at: vec4f) -> vec4f {
     return seen + (1.0 - seen.a) * behind();
 }
 
-@fragment
-fn fragment(@builtin(position) at: vec4f) -> @location(0) vec4f {
-    return pixel_at(at);
-}
-
 struct PixelWithDepth {
     @location(0) color: vec4f,
     /// Distance of the reported hit from the ray's start, `NOWHERE_MM` without one.
     @location(1) hit_mm: f32,
-}
-
-@fragment
-fn fragment_with_depth(@builtin(position) at: vec4f) -> PixelWithDepth {
-    let color = pixel_at(at);
-    return PixelWithDepth(color, hit_mm);
 }

@@ -51,11 +51,11 @@ pub use cost::{Cost, Work};
 pub use error::{Error, Report};
 pub use library::{built_in, library};
 pub use link::{Linker, MOST_TURNS, Selection, Skeleton};
-pub use module::{Module, PRELUDE};
+pub use module::{Module, PRELUDE, Ports};
 pub use parameter::{Parameter, Scalar};
 pub use program::{Block, Origin, Program};
 pub use skeleton::{
     BRICK_VOXELS, MOST_OBJECTS, NOWHERE_MM, PAGE_VOXELS, RayLoop, TABLE_ROW, Texels, bindings,
-    ray_loop,
+    graph_loop, ray_loop, surrounding_words,
 };
 pub use slot::{Fold, SLOTS, SUPPLIED, Signature, Slot, slot};

@@ -70,6 +70,8 @@ pub struct Skeleton {
     /// The order of the samples, from the eye and towards it: the second is put in if the composite
     /// is [back to front](Module::is_back_to_front), the first else.
     pub orders: [Arc<str>; 2],
+    /// Functions that it brings itself, each under the name by which it calls it: the nodes of a graph.
+    pub functions: Vec<(String, Arc<Module>)>,
     /// How many objects it draws. Several are drawn only by a composite that calls `look`, which
     /// mixes them.
     pub objects: usize,
@@ -150,6 +152,9 @@ fn link(skeleton: &Skeleton, selection: &Selection) -> Result<Program, Error> {
     if reach.lighting {
         writer.lighting();
     }
+    for (label, module) in &skeleton.functions {
+        writer.module(module, label.clone());
+    }
     writer.parameters();
     writer.line(&format!("// ---- {} ----", skeleton.name));
     writer.line(&skeleton.wgsl);
@@ -218,6 +223,13 @@ impl<'s> Reach<'s> {
             for name in calls(text, &tokens(text)) {
                 if let Some(needed) = reach.needed(name) {
                     reach.follow(needed, &skeleton.name)?;
+                }
+            }
+        }
+        for (label, module) in &skeleton.functions {
+            for need in module.needs() {
+                if let Some(needed) = reach.needed(need) {
+                    reach.follow(needed, label)?;
                 }
             }
         }
@@ -351,7 +363,8 @@ impl<'s> Writer<'s> {
             take(text, &tokens(text));
         }
         take(PRELUDE, &tokens(PRELUDE));
-        for module in selection.modules.values().flatten() {
+        let own = skeleton.functions.iter().map(|(_, module)| module);
+        for module in selection.modules.values().flatten().chain(own) {
             take(module.source(), &module.tokens);
         }
         let mut writer = Writer {
@@ -424,7 +437,7 @@ impl<'s> Writer<'s> {
         for declaration in &module.declarations {
             let own = &declaration.name;
             let is_function_of_slot = module.slot().functions.iter().any(|f| f.name == own);
-            let name = if own == module.slot().name {
+            let name = if own == module.main() && module.slot().functions.len() < 2 {
                 label.clone()
             } else if is_function_of_slot {
                 continue;

@@ -31,6 +31,9 @@ const LARGEST_TYPE: u32 = 16 << 10;
 #[derive(Clone, Debug)]
 pub struct Module {
     slot: &'static Slot,
+    /// The function that stands for the module: of its slot, or the one of a node.
+    main: String,
+    signature: Arc<Ports>,
     name: String,
     file: String,
     source: Arc<str>,
@@ -46,7 +49,52 @@ pub struct Module {
     pub(crate) declarations: Vec<Declaration>,
 }
 
+/// What the main function of a module takes and gives.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Ports {
+    /// Name and type of each argument.
+    pub arguments: Vec<(String, String)>,
+    /// The type of the result, empty for none.
+    pub result: String,
+    /// The members of the result if it is a struct that the module itself declares: name, type and comment.
+    pub members: Vec<(String, String, String)>,
+    /// The lines of the function's comment.
+    pub comment: Vec<String>,
+}
+
 impl Module {
+    /// Reads and checks a function that stands in no slot but is a node of a graph: any arguments, any
+    /// result. Of several functions it is the one that no other calls.
+    ///
+    /// # Errors
+    /// As [`Module::parse`]; and if no function or several could be meant, or one has the name of a slot's.
+    pub fn node(name: &str, file: &str, source: &str) -> Result<Module, Error> {
+        Module::checked(name, file, source, false, true)
+    }
+
+    /// Reads and checks a node of a library: its loops end.
+    ///
+    /// # Errors
+    /// As [`Module::node`].
+    pub fn trusted_node(name: &str, file: &str, source: &str) -> Result<Module, Error> {
+        Module::checked(name, file, source, true, true)
+    }
+
+    /// Every word of its text.
+    pub fn words(&self) -> impl Iterator<Item = &str> {
+        self.tokens.iter().map(|token| token.text(&self.source))
+    }
+
+    /// The name of the function that stands for the module.
+    pub fn main(&self) -> &str {
+        &self.main
+    }
+
+    /// What its main function takes and gives.
+    pub fn ports(&self) -> &Ports {
+        &self.signature
+    }
+
     /// Reads and checks a module of a user. `name` is what it is called, `file` where it stands;
     /// both for messages.
     ///
@@ -55,11 +103,11 @@ impl Module {
     /// function of a slot or one with another signature, binds resources, is an entry point, takes
     /// names that are taken, or has parameters that do not say their default.
     pub fn parse(name: &str, file: &str, source: &str) -> Result<Module, Error> {
-        Module::checked(name, file, source, false)
+        Module::checked(name, file, source, false, false)
     }
 
     pub(crate) fn built_in(name: &str, file: &str, source: &str) -> Result<Module, Error> {
-        Module::checked(name, file, source, true)
+        Module::checked(name, file, source, true, false)
     }
 
     /// The slot that it can stand in.
@@ -118,7 +166,13 @@ impl Module {
         self.is_built_in
     }
 
-    fn checked(name: &str, file: &str, source: &str, is_built_in: bool) -> Result<Module, Error> {
+    fn checked(
+        name: &str,
+        file: &str,
+        source: &str,
+        is_built_in: bool,
+        is_node: bool,
+    ) -> Result<Module, Error> {
         let text = Text { file, source };
         if source.len() > LONGEST_TEXT {
             return Err(text.error(
@@ -134,21 +188,36 @@ impl Module {
         let tokens = tokens(source);
         let declarations = declarations(source, &tokens);
         text.check_declarations(&tokens, &declarations)?;
-        let slot = text.slot(&declarations)?;
+        let slot = if is_node {
+            text.no_slot(&declarations)?;
+            &NODE
+        } else {
+            text.slot(&declarations)?
+        };
         let has_parameters = declarations
             .iter()
             .any(|d| d.kind == Declared::Struct && d.name == "Params");
 
         let surroundings = surroundings(slot, has_parameters);
         let naga = text.parsed(&format!("{source}\n{surroundings}"))?;
-        let functions = text.check_signatures(slot, &declarations, &naga)?;
+        let functions = if is_node {
+            vec![text.main(&declarations, &naga)?]
+        } else {
+            text.check_signatures(slot, &declarations, &naga)?
+        };
         text.check_sizes(&declarations, &naga)?;
         let (parameters, parameter_bytes) = text.parameters(&declarations, &naga)?;
 
         let mut hasher = DefaultHasher::new();
         (source, is_built_in).hash(&mut hasher);
+        let main = functions
+            .first()
+            .and_then(|f| naga.functions[*f].name.clone());
+        let signature = functions.first().map(|f| ports(&naga, *f, &declarations));
         Ok(Module {
             slot,
+            main: main.unwrap_or_default(),
+            signature: Arc::new(signature.unwrap_or_default()),
             name: name.to_owned(),
             file: file.to_owned(),
             source: source.into(),
@@ -179,6 +248,52 @@ impl Hash for Module {
     fn hash<H: Hasher>(&self, state: &mut H) {
         self.hash.hash(state);
     }
+}
+
+/// What nodes of graphs stand in.
+static NODE: Slot = Slot {
+    name: "node",
+    meaning: "a node of a graph",
+    functions: &[],
+    fold: crate::slot::Fold::One,
+    null: None,
+};
+
+fn ports(naga: &naga::Module, handle: Handle<Function>, found: &[Declaration]) -> Ports {
+    let function = &naga.functions[handle];
+    let argument = |a: &naga::FunctionArgument| {
+        let name = a.name.clone().unwrap_or_default();
+        (name, type_name(naga, a.ty))
+    };
+    let comments = naga.doc_comments.as_deref();
+    let lines = |text: &Vec<String>| -> Vec<String> {
+        let lines = text.iter().flat_map(|text| text.lines());
+        let bare = lines.map(|line| line.trim_start_matches('/').trim().to_owned());
+        bare.collect()
+    };
+    let comment = comments.and_then(|c| c.functions.get(&handle));
+    let mut ports = Ports {
+        arguments: function.arguments.iter().map(argument).collect(),
+        comment: comment.map(lines).unwrap_or_default(),
+        ..Ports::default()
+    };
+    let Some(result) = &function.result else {
+        return ports;
+    };
+    ports.result = type_name(naga, result.ty);
+    let is_own = |d: &Declaration| d.kind == Declared::Struct && d.name == ports.result;
+    if let TypeInner::Struct { members, .. } = &naga.types[result.ty].inner
+        && found.iter().any(is_own)
+    {
+        let members = members.iter().enumerate().map(|(i, member)| {
+            let comment = comments.and_then(|c| c.struct_members.get(&(result.ty, i)));
+            let name = member.name.clone().unwrap_or_default();
+            let comment = comment.map(lines).unwrap_or_default().join("\n");
+            (name, type_name(naga, member.ty), comment)
+        });
+        ports.members = members.collect();
+    }
+    ports
 }
 
 /// Whether there is a constant of this name, and it is true.
@@ -360,6 +475,63 @@ impl Text<'_> {
             }
         }
         Ok(slot)
+    }
+
+    /// Refuses functions that have the name of a slot's.
+    fn no_slot(&self, found: &[Declaration]) -> Result<(), Error> {
+        let of_slot = |d: &&Declaration| {
+            let mut functions = SLOTS.iter().flat_map(|slot| slot.functions);
+            d.kind == Declared::Function && functions.any(|f| f.name == d.name)
+        };
+        let Some(taken) = found.iter().find(of_slot) else {
+            return Ok(());
+        };
+        Err(self.error(
+            format!("the name `{}` is that of a slot", taken.name),
+            taken.span.clone(),
+            "declared here",
+            ["a node's function has a name of its own; it may call those of slots".into()],
+        ))
+    }
+
+    /// The function that no other calls.
+    fn main(&self, found: &[Declaration], naga: &naga::Module) -> Result<Handle<Function>, Error> {
+        let declared = |name: &str| {
+            let mut functions = found.iter().filter(|d| d.kind == Declared::Function);
+            functions.find(|d| d.name == name)
+        };
+        let mut called_by_others = Vec::new();
+        let mut own = Vec::new();
+        for (handle, function) in naga.functions.iter() {
+            if let Some(declaration) = function.name.as_deref().and_then(declared) {
+                own.push((handle, declaration));
+                called(&function.body, &mut called_by_others);
+            }
+        }
+        own.retain(|(handle, _)| !called_by_others.contains(handle));
+        match own[..] {
+            [(handle, declaration)] => {
+                if naga.functions[handle].result.is_none() {
+                    return Err(self.error(
+                        format!("`{}` gives no result", declaration.name),
+                        declaration.span.clone(),
+                        "declared here",
+                        ["a node is what it returns; several results are a struct".into()],
+                    ));
+                }
+                Ok(handle)
+            }
+            [] => Err(self.error("the text defines no function", 0..0, "", [])),
+            [(_, first), (_, second), ..] => Err(self.error(
+                format!(
+                    "both `{}` and `{}` could be the node",
+                    first.name, second.name
+                ),
+                second.span.clone(),
+                "no other function calls it",
+                ["of several functions the node is the one that no other calls".into()],
+            )),
+        }
     }
 
     /// Parses and validates the module with its surroundings.
@@ -628,6 +800,15 @@ fn type_name(naga: &naga::Module, handle: Handle<naga::Type>) -> String {
             rows,
             scalar: s,
         } => format!("mat{}x{}{}", digit(columns), digit(rows), scalar(s).1),
+        TypeInner::Image {
+            dim: naga::ImageDimension::D2,
+            arrayed: false,
+            class:
+                naga::ImageClass::Sampled {
+                    kind: ScalarKind::Float,
+                    multi: false,
+                },
+        } => "texture_2d<f32>".to_owned(),
         TypeInner::Array { base, .. } => format!("array<{}, …>", type_name(naga, base)),
         TypeInner::Pointer { base, .. } => format!("ptr<…, {}>", type_name(naga, base)),
         _ => "another type".to_owned(),

@@ -75,6 +75,11 @@ impl Program {
         found
     }
 
+    /// The text as naga understands it.
+    pub fn naga(&self) -> &naga::Module {
+        &self.naga
+    }
+
     /// What it costs at most, per ray and per sample.
     pub fn cost(&self) -> Cost {
         Cost::of(&self.naga)

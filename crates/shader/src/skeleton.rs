@@ -6,7 +6,12 @@
 
 use crate::error::Error;
 use crate::link::Skeleton;
+use crate::module::{Module, PRELUDE};
+use crate::slot::{SLOTS, SUPPLIED};
+use crate::token::tokens;
+use std::collections::HashSet;
 use std::fmt::Write;
+use std::sync::{Arc, LazyLock};
 
 /// How the texture of a volume is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -110,6 +115,10 @@ pub mod bindings {
     pub const OPAQUE_COLOR: u32 = 13;
     /// `texture_3d`, one for each volume from here on.
     pub const FIRST_VOLUME: u32 = 16;
+    /// `texture_2d<f32>`, rgba: the textures of a graph, [`TEXTURES`] of them from here on.
+    pub const FIRST_TEXTURE: u32 = 32;
+    /// Textures of a graph.
+    pub const TEXTURES: u32 = 8;
 }
 
 /// The ray loop over these objects. Entry points: `vertex` (three vertices, no buffers), `fragment`
@@ -119,6 +128,81 @@ pub mod bindings {
 /// # Errors
 /// [`Error::Objects`]: none, or too many.
 pub fn ray_loop(what: &RayLoop) -> Result<Skeleton, Error> {
+    let march = if what.objects == 1 {
+        include_str!("../skeleton/one.wgsl")
+    } else {
+        include_str!("../skeleton/several.wgsl")
+    };
+    let march = format!("{march}\n{}", include_str!("../skeleton/entry.wgsl"));
+    skeleton(what, "ray loop", &march)
+}
+
+/// As [`ray_loop`], with a loop of the caller's: `march` is WGSL that defines
+/// `fn march(pixel: vec2u) -> vec4f` over the functions of `skeleton/graph.wgsl`, and calls `functions` by
+/// their names. `entry` defines the entry points, if it has some of its own.
+///
+/// # Errors
+/// As [`ray_loop`].
+pub fn graph_loop(
+    what: &RayLoop,
+    march: &str,
+    entry: Option<&str>,
+    functions: Vec<(String, Arc<Module>)>,
+) -> Result<Skeleton, Error> {
+    let own = if what.objects == 1 {
+        include_str!("../skeleton/graph_one.wgsl")
+    } else {
+        include_str!("../skeleton/graph_several.wgsl")
+    };
+    let entry = entry.unwrap_or(include_str!("../skeleton/entry.wgsl"));
+    let wgsl = format!(
+        "{own}\n{}\n{march}\n{entry}",
+        include_str!("../skeleton/graph.wgsl")
+    );
+    Ok(Skeleton {
+        functions,
+        // The graph mixes its objects itself.
+        objects: 1,
+        ..skeleton(what, "graph", &wgsl)?
+    })
+}
+
+/// Words that the surroundings of a graph use: whoever writes a `march` calls nothing of its own so.
+pub fn surrounding_words() -> &'static HashSet<&'static str> {
+    static WORDS: LazyLock<HashSet<&'static str>> = LazyLock::new(|| {
+        let texts = [
+            include_str!("../skeleton/ray.wgsl"),
+            include_str!("../skeleton/entry.wgsl"),
+            include_str!("../skeleton/graph.wgsl"),
+            include_str!("../skeleton/graph_one.wgsl"),
+            include_str!("../skeleton/graph_several.wgsl"),
+            include_str!("../skeleton/forwards.wgsl"),
+            include_str!("../skeleton/tile.wgsl"),
+            include_str!("../skeleton/opaque_mm.wgsl"),
+            include_str!("../skeleton/mask.wgsl"),
+            include_str!("../skeleton/pages.wgsl"),
+            include_str!("../skeleton/texel.wgsl"),
+            include_str!("../skeleton/linear_by_texels.wgsl"),
+            include_str!("../skeleton/values_any.wgsl"),
+            include_str!("../skeleton/behind_geometry.wgsl"),
+            PRELUDE,
+            "volume volume_sampler stored texel_linear parameters Parameters march lighting illuminate light select vertex_out VertexOut receive",
+        ];
+        let mut words: HashSet<_> = texts
+            .iter()
+            .flat_map(|text| tokens(text).into_iter().map(|token| token.text(text)))
+            .collect();
+        let of_slots = SLOTS
+            .iter()
+            .flat_map(|slot| slot.functions)
+            .chain(&SUPPLIED);
+        words.extend(of_slots.map(|function| function.name));
+        words
+    });
+    &WORDS
+}
+
+fn skeleton(what: &RayLoop, kind: &str, march: &str) -> Result<Skeleton, Error> {
     let RayLoop {
         volumes,
         objects,
@@ -136,19 +220,15 @@ pub fn ray_loop(what: &RayLoop) -> Result<Skeleton, Error> {
     }
     let (number, one) = (objects, *objects == 1);
     let name = match (objects, volumes.len()) {
-        (1, _) => "ray loop over one object".to_owned(),
-        (_, 1) => format!("ray loop over {number} objects of one volume"),
-        (_, n) => format!("ray loop over {number} objects of {n} volumes"),
+        (1, _) => format!("{kind} over one object"),
+        (_, 1) => format!("{kind} over {number} objects of one volume"),
+        (_, n) => format!("{kind} over {number} objects of {n} volumes"),
     };
     let mut wgsl = format!("const OBJECTS: u32 = {number}u;\n\n");
     wgsl.push_str(&textures(volumes));
     wgsl.push_str(include_str!("../skeleton/ray.wgsl"));
     wgsl.push('\n');
-    wgsl.push_str(if one {
-        include_str!("../skeleton/one.wgsl")
-    } else {
-        include_str!("../skeleton/several.wgsl")
-    });
+    wgsl.push_str(march);
     let look = if one {
         include_str!("../skeleton/look_of_one.wgsl")
     } else {
@@ -186,6 +266,7 @@ pub fn ray_loop(what: &RayLoop) -> Result<Skeleton, Error> {
             include_str!("../skeleton/forwards.wgsl").into(),
             include_str!("../skeleton/backwards.wgsl").into(),
         ],
+        functions: Vec::new(),
         objects: *objects,
     })
 }

@@ -1,6 +1,6 @@
 //! Which renderer draws, and what a picture has cost there.
 
-use crate::Error;
+use crate::{Error, SceneGraph};
 use std::ops::ControlFlow;
 use strahl_gpu::{Device, adapters};
 use strahl_scene::{Image, plan::Plan};
@@ -12,7 +12,8 @@ pub enum Backend {
     /// The graphics processor if there is one, else the processor, with a note that says why. An
     /// adapter that is itself a program on the processor does not count: ours is faster.
     Auto,
-    /// The processor: the same bytes on every machine.
+    /// The processor: the same bytes on every machine. Functions of files, which have no twin there, are
+    /// evaluated, with a note that says so.
     #[default]
     Cpu,
     /// The graphics processor, or an error.
@@ -27,6 +28,13 @@ pub enum Backend {
 pub enum Stats {
     /// On the processor.
     Cpu(strahl_cpu::Stats),
+    /// On the processor, by the program that a graphics processor would run.
+    Evaluated {
+        /// Threads that drew.
+        threads: usize,
+        /// Linking, compiling and drawing.
+        seconds: f64,
+    },
     /// On the graphics processor.
     Gpu {
         /// The adapter that drew.
@@ -41,6 +49,7 @@ impl Stats {
     pub fn draw_seconds(&self) -> f64 {
         match self {
             Stats::Cpu(stats) => stats.draw_seconds,
+            Stats::Evaluated { seconds, .. } => *seconds,
             Stats::Gpu { stats, .. } => stats.draw_seconds,
         }
     }
@@ -51,49 +60,120 @@ pub(crate) struct Drawn {
     pub image: Image,
     pub depth_mm: Option<Vec<f32>>,
     pub stats: Stats,
-    pub note: Option<String>,
+    pub notes: Vec<String>,
 }
 
-/// Draws `plan`; `progress` is told the share that is drawn.
+/// Draws `plan`, by `graph` if there is one; `progress` is told the share that is drawn.
 pub(crate) fn draw(
     backend: &Backend,
     data: &Datasets,
     plan: &Plan,
+    graph: Option<&SceneGraph>,
     options: &strahl_cpu::Options,
     progress: &(dyn Fn(f64) + Sync),
 ) -> Result<Drawn, Error> {
-    let on_cpu = || -> Result<Drawn, Error> {
-        let drawn =
-            strahl_cpu::Renderer::new(data.clone()).render(plan, options, &|drawn, total| {
-                progress(drawn as f64 / total as f64);
-                ControlFlow::Continue(())
-            })?;
-        Ok(Drawn {
-            image: drawn.image,
-            depth_mm: drawn.depth_mm,
-            stats: Stats::Cpu(drawn.stats),
-            note: None,
-        })
-    };
     match backend {
-        Backend::Cpu => on_cpu(),
-        Backend::Gpu { adapter } => Ok(on_gpu(adapter.as_deref(), data, plan, progress)?),
+        Backend::Cpu => on_cpu(data, plan, graph, options, progress),
+        Backend::Gpu { adapter } => on_gpu(adapter.as_deref(), data, plan, graph, progress),
         Backend::Auto => {
             let hardware = adapters().into_iter().find(|a| !a.is_software);
             let why = match hardware {
                 None => "there is no graphics processor".to_owned(),
-                Some(adapter) => match on_gpu(Some(&adapter.name), data, plan, progress) {
+                Some(adapter) => match on_gpu(Some(&adapter.name), data, plan, graph, progress) {
                     Ok(drawn) => return Ok(drawn),
+                    // What is wrong with a graph is wrong everywhere.
+                    Err(error @ Error::Graph(_)) => return Err(error),
                     Err(error) => error.to_string(),
                 },
             };
-            let drawn = on_cpu()?;
-            Ok(Drawn {
-                note: Some(format!("drawn on the processor: {why}")),
-                ..drawn
-            })
+            let drawn = on_cpu(data, plan, graph, options, progress)?;
+            let why = format!("drawn on the processor: {why}");
+            let mut drawn = drawn;
+            drawn.notes.insert(0, why);
+            Ok(drawn)
         }
     }
+}
+
+/// By the twins of the functions, or by the program where one has none.
+fn on_cpu(
+    data: &Datasets,
+    plan: &Plan,
+    graph: Option<&SceneGraph>,
+    options: &strahl_cpu::Options,
+    progress: &(dyn Fn(f64) + Sync),
+) -> Result<Drawn, Error> {
+    let share = |drawn, total| {
+        progress(drawn as f64 / total as f64);
+        ControlFlow::Continue(())
+    };
+    if graph.is_some() {
+        let note = "the graph was evaluated on the processor, which is exact but slow; --backend gpu is faster";
+        let mut drawn = evaluated(data, plan, graph, options.threads, share)?;
+        drawn.notes.push(note.to_owned());
+        return Ok(drawn);
+    }
+    match strahl_cpu::Renderer::new(data.clone()).render(plan, options, &share) {
+        Ok(drawn) => Ok(Drawn {
+            image: drawn.image,
+            depth_mm: drawn.depth_mm,
+            stats: Stats::Cpu(drawn.stats),
+            notes: Vec::new(),
+        }),
+        Err(strahl_cpu::Error::NoTwin { function, .. }) => {
+            let note = format!(
+                "the function {function} has no form for the processor: its program was evaluated there, which is exact but slow; --backend gpu is faster"
+            );
+            let mut drawn = evaluated(data, plan, None, options.threads, share)?;
+            drawn.notes.push(note);
+            Ok(drawn)
+        }
+        Err(error) => Err(error.into()),
+    }
+}
+
+/// By the program that a graphics processor would run.
+fn evaluated(
+    data: &Datasets,
+    plan: &Plan,
+    graph: Option<&SceneGraph>,
+    threads: usize,
+    progress: impl Fn(usize, usize) -> ControlFlow<()> + Sync + Send,
+) -> Result<Drawn, Error> {
+    let draw = || {
+        let mut evaluator = strahl_evaluate::Evaluator::new(data.clone());
+        let mut notes = Vec::new();
+        let drawn = match graph {
+            None => evaluator.render(plan, progress)?,
+            Some(graph) => {
+                let (what, functions) = (evaluator.loop_of(plan)?, evaluator.functions(plan)?);
+                let ready = graph.ready(plan, &what, &functions)?;
+                notes = ready.notes;
+                let of = &ready.compiled;
+                evaluator.render_by(plan, &of.program, &of.parameters, &ready.textures, progress)?
+            }
+        };
+        Ok(Drawn {
+            image: drawn.image,
+            depth_mm: drawn.depth_mm,
+            stats: Stats::Evaluated {
+                threads: rayon::current_num_threads(),
+                seconds: drawn.seconds,
+            },
+            notes,
+        })
+    };
+    if threads == 0 {
+        return draw();
+    }
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .map_err(|why| strahl_cpu::Error::Threads {
+            threads,
+            why: why.to_string(),
+        })?
+        .install(draw)
 }
 
 /// A device may be lost at any time: the driver was updated or reset. It is opened again once.
@@ -101,10 +181,13 @@ fn on_gpu(
     adapter: Option<&str>,
     data: &Datasets,
     plan: &Plan,
+    graph: Option<&SceneGraph>,
     progress: &(dyn Fn(f64) + Sync),
-) -> Result<Drawn, strahl_gpu::Error> {
-    match on_device(adapter, data, plan, progress) {
-        Err(strahl_gpu::Error::Lost(_)) => on_device(adapter, data, plan, progress),
+) -> Result<Drawn, Error> {
+    match on_device(adapter, data, plan, graph, progress) {
+        Err(Error::Gpu(strahl_gpu::Error::Lost(_))) => {
+            on_device(adapter, data, plan, graph, progress)
+        }
         done => done,
     }
 }
@@ -113,14 +196,26 @@ fn on_device(
     adapter: Option<&str>,
     data: &Datasets,
     plan: &Plan,
+    graph: Option<&SceneGraph>,
     progress: &(dyn Fn(f64) + Sync),
-) -> Result<Drawn, strahl_gpu::Error> {
+) -> Result<Drawn, Error> {
     let device = Device::open(adapter)?;
-    let drawn =
-        strahl_gpu::Renderer::new(&device, data.clone())?.render(plan, |drawn, total| {
-            progress(drawn as f64 / total as f64);
-            ControlFlow::Continue(())
-        })?;
+    let share = |drawn, total| {
+        progress(drawn as f64 / total as f64);
+        ControlFlow::Continue(())
+    };
+    let mut renderer = strahl_gpu::Renderer::new(&device, data.clone())?;
+    let mut notes = Vec::new();
+    let drawn = match graph {
+        None => renderer.render(plan, share)?,
+        Some(graph) => {
+            let (what, functions) = (renderer.loop_of(plan)?, renderer.functions(plan)?);
+            let ready = graph.ready(plan, &what, &functions)?;
+            notes = ready.notes;
+            let of = &ready.compiled;
+            renderer.render_by(plan, &of.program, &of.parameters, &ready.textures, share)?
+        }
+    };
     let adapter = device.adapter().to_string();
     Ok(Drawn {
         image: drawn.image,
@@ -129,6 +224,6 @@ fn on_device(
             adapter,
             stats: drawn.stats,
         },
-        note: None,
+        notes,
     })
 }

@@ -40,9 +40,15 @@ pub enum Error {
     /// A shader function is not one, or functions cannot be linked.
     #[error(transparent)]
     Shader(#[from] strahl_shader::Error),
+    /// A graph, an edit of one, or a pattern is wrong.
+    #[error(transparent)]
+    Graph(#[from] strahl_graph::Error),
     /// No picture was drawn.
     #[error(transparent)]
     Draw(#[from] strahl_cpu::Error),
+    /// No picture was drawn by its program on the processor.
+    #[error(transparent)]
+    Evaluate(#[from] strahl_evaluate::Error),
     /// No picture was drawn on the graphics processor.
     #[error(transparent)]
     Gpu(#[from] strahl_gpu::Error),

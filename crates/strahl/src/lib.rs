@@ -50,6 +50,7 @@ mod picture;
 mod render;
 mod scene_data;
 mod scene_file;
+mod scene_graph;
 
 pub use backend::{Backend, Stats};
 pub use error::Error;
@@ -59,13 +60,20 @@ pub use output::{Output, abandon_outputs};
 pub use picture::{Encoding, Recipe, SOFTWARE, write_picture};
 pub use render::{Picture, Render, Stage, render_file};
 pub use scene_file::{SceneFile, seen_from};
+pub use scene_graph::{ReadyGraph, SceneGraph};
 
 /// Vectors and matrices of the interfaces.
 pub use glam;
 /// The renderer on the processor.
 pub use strahl_cpu as cpu;
+/// Linked programs without a graphics processor.
+pub use strahl_evaluate as evaluate;
 /// The renderer on the graphics processor.
 pub use strahl_gpu as gpu;
+/// Graphs: rays programmed by wiring typed nodes.
+pub use strahl_graph as graph;
+/// From a Plan to its linked program.
+pub use strahl_program as program;
 /// What is to be drawn: scenes, plans, pictures.
 pub use strahl_scene as scene;
 /// Shader functions: every step of the ray.

@@ -3,7 +3,7 @@
 use crate::backend::{Backend, Stats, draw};
 use crate::scene_data::SceneData;
 use crate::scene_file::{SceneFile, seen_from};
-use crate::{Encoding, Error, Output, Recipe, load_with_progress, write_picture};
+use crate::{Encoding, Error, Output, Recipe, SceneGraph, load_with_progress, write_picture};
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -245,14 +245,19 @@ impl<'a> Render<'a> {
         let mut plan = self.checked(resolve_with(&scene, &headers))?;
         plan.with_depth = self.with_depth;
         let progress = |part| (self.progress)(Stage::Drawing, part);
+        let graph = match &scene.graph {
+            Some(text) => Some(SceneGraph::new(&self.graph_name(), Some(text))?),
+            None => None,
+        };
         let drawn = draw(
             &self.backend,
             &data.datasets(),
             &plan,
+            graph.as_ref(),
             &self.options,
             &progress,
         )?;
-        let notes = data.notes.into_iter().chain(drawn.note).collect();
+        let notes = data.notes.into_iter().chain(drawn.notes).collect();
         Ok(Picture {
             image: drawn.image,
             depth_mm: drawn.depth_mm,
@@ -279,6 +284,21 @@ impl<'a> Render<'a> {
     /// As [`Render::picture`].
     pub fn plan(&self) -> Result<plan::Plan, Error> {
         Ok(self.settle()?.1)
+    }
+
+    /// The graph that draws the scene: its own, or the standard one that its settings make, after all edits.
+    ///
+    /// # Errors
+    /// The text of the graph is wrong, or a file that it names cannot be read.
+    pub fn graph(&self) -> Result<SceneGraph, Error> {
+        SceneGraph::new(&self.graph_name(), self.scene.graph.as_ref())
+    }
+
+    fn graph_name(&self) -> String {
+        match &self.scene_path {
+            Some(path) => format!("{}: graph", path.display()),
+            None => "graph".to_owned(),
+        }
     }
 
     fn settle(&self) -> Result<(Scene, plan::Plan), Error> {

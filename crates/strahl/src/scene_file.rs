@@ -1,10 +1,10 @@
 //! Scenes on disk: JSON files, and pictures that carry the scene they were made from.
 
-use crate::{Error, Recipe};
+use crate::{Error, Recipe, scene_graph};
 use std::fs::{self, File};
 use std::io::Read;
 use std::path::{Component, Path, PathBuf};
-use strahl_scene::{Clip, Scene};
+use strahl_scene::{Clip, GraphText, Scene};
 
 /// A scene and where it comes from.
 #[derive(Clone, Debug)]
@@ -56,8 +56,20 @@ impl SceneFile {
             })?;
             (text, None)
         };
-        let mut scene = Scene::parse(&path.display().to_string(), &text)?;
+        let name = path.display().to_string();
         let folder = path.parent().unwrap_or(Path::new(""));
+        let mut scene = if is_graph(&text) {
+            Scene {
+                graph: Some(whole_graph(&name, &text, folder)?),
+                ..Scene::default()
+            }
+        } else {
+            let mut scene = Scene::parse(&name, &text)?;
+            if let Some(graph) = &mut scene.graph {
+                *graph = whole_graph(&name, graph.as_str(), folder)?;
+            }
+            scene
+        };
         for relative in paths_of(&mut scene) {
             if let Some(joined) = folder.join(&*relative).to_str() {
                 *relative = joined.to_owned();
@@ -69,6 +81,26 @@ impl SceneFile {
             software,
         }))
     }
+}
+
+/// Whether a text is that of a graph alone: its outermost object has the key that says its version.
+fn is_graph(text: &str) -> bool {
+    let mut plain = text.strip_prefix('\u{feff}').unwrap_or(text).to_owned();
+    let is_plain = json_strip_comments::strip(&mut plain).is_ok();
+    let keys = serde_json::from_str::<serde_json::Map<String, serde_json::Value>>(&plain);
+    is_plain && keys.is_ok_and(|keys| keys.contains_key("strahl_graph"))
+}
+
+/// A graph with every graph and WGSL file that it names inside it, and its other paths put as seen from the
+/// current folder.
+fn whole_graph(name: &str, text: &str, folder: &Path) -> Result<GraphText, Error> {
+    let mut asked = scene_graph::read(name, text, folder)?;
+    asked.for_each_path_mut(|path| {
+        if let Some(joined) = folder.join(&*path).to_str() {
+            *path = joined.to_owned();
+        }
+    });
+    GraphText::new(asked.to_text()).map_err(Error::Picture)
 }
 
 /// A damaged picture may still be a slice of a volume, whose reader has better words for it.
@@ -122,9 +154,18 @@ pub fn seen_from(folder: &Path, scene: &Scene) -> Scene {
     } else {
         folder
     });
-    for path in paths_of(&mut scene) {
+    let change = |path: &mut String| {
         if let Some(relative) = relative(&whole(Path::new(&*path)), &folder) {
             *path = relative;
+        }
+    };
+    paths_of(&mut scene).into_iter().for_each(change);
+    if let Some(graph) = &mut scene.graph
+        && let Ok(mut asked) = scene_graph::read("graph", graph.as_str(), Path::new(""))
+    {
+        asked.for_each_path_mut(change);
+        if let Ok(text) = GraphText::new(asked.to_text()) {
+            *graph = text;
         }
     }
     scene

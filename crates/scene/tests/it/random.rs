@@ -352,6 +352,10 @@ fn scene(n: Number) -> BoxedStrategy<Scene> {
                         about: Some(about),
                     }),
                     functions: functions.map(|functions| functions.into_iter().collect()),
+                    graph: frames.map(|n| {
+                        let text = format!(r#"{{ "strahl_graph": 1, "name": "{n}" }}"#);
+                        GraphText::new(text).unwrap()
+                    }),
                     gradient: None,
                     objects: None,
                     lights,

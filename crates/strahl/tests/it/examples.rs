@@ -21,8 +21,8 @@ fn example(name: &str) -> Option<PathBuf> {
 fn examples_make_their_pictures() {
     let ladder = names(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples"));
     assert!(ladder.len() >= 7, "{ladder:?}");
-    for file in ladder {
-        let name = file.strip_suffix(".rs").unwrap();
+    // Beside them lie graphs, which have tests of their own.
+    for name in ladder.iter().filter_map(|file| file.strip_suffix(".rs")) {
         let Some(path) = example(name) else { return };
         let folder = folder_with_shells();
         let args: &[&str] = match name {

@@ -5,6 +5,7 @@ mod bad_input;
 mod commands;
 mod examples;
 mod flags;
+mod graph;
 mod library;
 mod pictures;
 mod shader;

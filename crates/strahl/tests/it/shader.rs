@@ -117,20 +117,9 @@ fn render(folder: &Path, backend: &str) -> Run {
     run(folder, &args)
 }
 
-#[test]
-fn a_function_of_a_file_is_drawn_by_the_graphics_processor_only() {
-    let folder = folder_with_scene("red.wgsl", RED);
-    let refused = render(folder.path(), "cpu");
-    assert_eq!(refused.code, Some(1));
-    assert!(refused.err.contains("the function red"), "{}", refused.err);
-    assert!(refused.err.contains("--backend gpu"), "{}", refused.err);
-    assert!(!folder.path().join("out.png").exists());
-    if strahl::gpu::adapters().is_empty() {
-        return println!("skipped: no graphics adapter");
-    }
-    let drawn = render(folder.path(), "gpu");
-    assert_eq!(drawn.code, Some(0), "{}", drawn.err);
-    let file = std::io::BufReader::new(fs::File::open(folder.path().join("out.png")).unwrap());
+/// How many pixels of the picture are red and nothing else.
+fn red_pixels(folder: &Path) -> usize {
+    let file = std::io::BufReader::new(fs::File::open(folder.join("out.png")).unwrap());
     let mut picture = png::Decoder::new(file).read_info().unwrap();
     let mut pixels = vec![0; picture.output_buffer_size().unwrap()];
     let info = picture.next_frame(&mut pixels).unwrap();
@@ -139,14 +128,50 @@ fn a_function_of_a_file_is_drawn_by_the_graphics_processor_only() {
     let red = pixels
         .chunks(each)
         .filter(|p| p[0] > 60 && p[1] < 40 && p[2] < 40);
-    assert!(red.count() > 20);
+    red.count()
+}
+
+#[test]
+fn a_function_of_a_file_is_drawn_on_every_backend() {
+    let folder = folder_with_scene("red.wgsl", RED);
+    let drawn = render(folder.path(), "cpu");
+    assert_eq!(drawn.code, Some(0), "{}", drawn.err);
+    assert!(drawn.err.contains("the function red"), "{}", drawn.err);
+    assert!(drawn.err.contains("--backend gpu"), "{}", drawn.err);
+    let on_cpu = red_pixels(folder.path());
+    assert!(on_cpu > 20);
+    let auto = render(folder.path(), "auto");
+    assert_eq!(auto.code, Some(0), "{}", auto.err);
+    let args = [
+        "render",
+        "scene.json",
+        "-o",
+        "out.png",
+        "--threads",
+        "1",
+        "--stats",
+        "json",
+    ];
+    let stats = run_well(folder.path(), &args);
+    let stats: serde_json::Value = serde_json::from_str(&stats).unwrap();
+    assert_eq!(stats["backend"], "evaluator");
+    assert_eq!(stats["threads"], 1);
+    if strahl::gpu::adapters().is_empty() {
+        return println!("skipped: no graphics adapter");
+    }
+    let drawn = render(folder.path(), "gpu");
+    assert_eq!(drawn.code, Some(0), "{}", drawn.err);
+    assert!(red_pixels(folder.path()).abs_diff(on_cpu) <= 1);
 }
 
 /// An endless loop, and array and texture indices far outside: a picture, not a hang or a crash.
 #[test]
 fn hostile_functions_end_and_touch_nothing_else() {
+    let mut backends = vec!["cpu"];
     if strahl::gpu::adapters().is_empty() {
-        return println!("skipped: no graphics adapter");
+        println!("skipped: no graphics adapter");
+    } else {
+        backends.push("gpu");
     }
     for source in [
         "fn classify(value: f32, position: vec3f) -> Surface {
@@ -167,9 +192,11 @@ fn hostile_functions_end_and_touch_nothing_else() {
         }",
     ] {
         let folder = folder_with_scene("mean.wgsl", source);
-        let start = std::time::Instant::now();
-        let drawn = render(folder.path(), "gpu");
-        assert_eq!(drawn.code, Some(0), "{source}: {}", drawn.err);
-        assert!(start.elapsed().as_secs() < 120, "{source}");
+        for backend in &backends {
+            let start = std::time::Instant::now();
+            let drawn = render(folder.path(), backend);
+            assert_eq!(drawn.code, Some(0), "{source}: {}", drawn.err);
+            assert!(start.elapsed().as_secs() < 120, "{backend}: {source}");
+        }
     }
 }

@@ -11,7 +11,8 @@ use strahl::scene::{
 use strahl::volume::SampleType;
 use strahl::volume::read::ReadOptions;
 use strahl::{
-    Backend, Background, Camera, Clip, ColorMap, Method, Projection, Scene, TransferFunction, View,
+    Backend, Background, Camera, Clip, ColorMap, Method, Projection, Scene, SceneFile,
+    TransferFunction, View,
 };
 
 /// How to read a volume: what was typed, put over what a scene says.
@@ -74,6 +75,15 @@ pub fn dims(text: &str) -> Result<[usize; 3]> {
 /// Puts what was typed over `scene`.
 pub fn draw_over(flags: &DrawFlags, scene: &mut Scene) -> Result<()> {
     look_over(flags, scene)?;
+    if let Some(path) = &flags.graph {
+        scene.graph = match SceneFile::open(path)? {
+            Some(SceneFile { scene, .. }) if scene.graph.is_some() => scene.graph,
+            _ => bail!(
+                "--graph {}: no graph, and no scene that has one",
+                path.display()
+            ),
+        };
+    }
     let camera = scene.camera.take().unwrap_or_default();
     let camera = camera_over(flags, camera)?;
     scene.camera = (camera != Camera::default()).then_some(camera);

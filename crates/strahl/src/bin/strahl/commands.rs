@@ -2,6 +2,7 @@
 
 mod convert;
 mod draw;
+mod graph;
 mod info;
 mod presets;
 mod scene;
@@ -27,6 +28,7 @@ pub fn run(flags: Flags) -> Result<()> {
         Command::Convert(flags) => convert::run(&flags, quiet),
         Command::Scene(command) => scene::run(&command, quiet),
         Command::Shader(command) => shader::run(&command),
+        Command::Graph(command) => graph::run(&command, quiet),
         Command::Presets(flags) => presets::run(&flags),
         Command::Sim(command) => sim::run(&command, quiet),
         Command::Completions(flags) => completions(&flags),

@@ -38,6 +38,9 @@ pub enum Command {
     /// The functions of the ray: the library, and a check of your own
     #[command(subcommand)]
     Shader(ShaderCommand),
+    /// Rays programmed by wiring typed nodes: the graph that draws a scene, and your own
+    #[command(subcommand)]
+    Graph(GraphCommand),
     Presets(PresetsFlags),
     /// A model of a ray-casting processor, clock by clock
     #[command(subcommand)]
@@ -115,6 +118,10 @@ pub struct DrawFlags {
     #[arg(long, value_name = "NAME", hide_possible_values = true,
           value_parser = PossibleValuesParser::new(presets().iter().map(|preset| preset.name)))]
     pub preset: Option<String>,
+
+    /// A graph, or edits of the graph that the settings make, instead of the scene's own (`strahl graph`)
+    #[arg(long, value_name = "FILE")]
+    pub graph: Option<PathBuf>,
 
     /// How the samples of a ray become a pixel
     #[arg(long, value_name = "METHOD", visible_alias = "composite",
@@ -451,6 +458,81 @@ pub enum ShaderCommand {
     Check(ShaderCheckFlags),
     Wgsl(ShaderSceneFlags),
     Cost(ShaderCostFlags),
+}
+
+#[derive(Debug, Subcommand)]
+pub enum GraphCommand {
+    Show(Box<GraphShowFlags>),
+    /// Say whether graphs, and scenes with graphs, can be drawn, and what is wrong with them where
+    Check(GraphInputFlags),
+    /// Print the program that a graph compiles to
+    Wgsl(GraphInputFlags),
+    Dot(Box<GraphDotFlags>),
+    /// Draw a volume by a graph: the same as `strahl render`
+    Run(Box<RenderFlags>),
+    Patterns(GraphPatternsFlags),
+    /// Print the JSON schema of graphs
+    Schema,
+}
+
+/// Print the graph that draws a scene, after all edits: the standard one if the scene has none of its own
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  strahl graph show scene.json
+  strahl graph show head.nii.gz --method mip
+  strahl graph show tone.graph.json head.nii.gz > whole.graph.json")]
+pub struct GraphShowFlags {
+    /// A scene, a graph, a volume, or a scene or graph and a volume
+    #[arg(required = true, value_name = "SCENE|GRAPH|VOLUME")]
+    pub inputs: Vec<PathBuf>,
+
+    #[command(flatten)]
+    pub draw: DrawFlags,
+}
+
+#[derive(Debug, Args)]
+pub struct GraphInputFlags {
+    /// Scenes or graphs; a graph alone is checked over a built-in phantom
+    #[arg(required = true, value_name = "SCENE|GRAPH")]
+    pub inputs: Vec<PathBuf>,
+}
+
+/// Print a graph as a drawing in the language of Graphviz
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  strahl graph dot scene.json --svg graph.svg
+  strahl graph dot tone.graph.json --details | dot -Tpng > tone.png")]
+pub struct GraphDotFlags {
+    /// A scene, a graph, a volume, or a scene or graph and a volume
+    #[arg(required = true, value_name = "SCENE|GRAPH|VOLUME")]
+    pub inputs: Vec<PathBuf>,
+
+    /// Write an SVG; needs Graphviz
+    #[arg(long, value_name = "FILE")]
+    pub svg: Option<PathBuf>,
+
+    /// Show types, meanings, constants and what each node does
+    #[arg(long)]
+    pub details: bool,
+
+    #[command(flatten)]
+    pub draw: DrawFlags,
+}
+
+/// List the nodes that graphs can use, with their ports
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  strahl graph patterns
+  strahl graph patterns opacity
+  strahl graph patterns --json")]
+pub struct GraphPatternsFlags {
+    /// Only those with this in their names
+    #[arg(value_name = "WORD")]
+    pub names: Vec<String>,
+
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// List the slots of the ray, their signatures, and the functions of the library

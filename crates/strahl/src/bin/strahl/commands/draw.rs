@@ -157,6 +157,10 @@ fn stats(path: &Path, picture: &Picture, write_seconds: f64, total_seconds: f64)
             all["points_skipped"] = stats.points_skipped.into();
             all["skipped_mm"] = stats.skipped_mm.into();
         }
+        Stats::Evaluated { threads, .. } => {
+            all["backend"] = "evaluator".into();
+            all["threads"] = (*threads).into();
+        }
         Stats::Gpu { adapter, stats } => {
             all["backend"] = "gpu".into();
             all["adapter"] = adapter.as_str().into();

@@ -25,7 +25,7 @@ pub fn run(command: &ShaderCommand) -> Result<()> {
 
 fn program(input: &Path) -> Result<std::sync::Arc<Program>> {
     let subject = draw::subject(&[input.to_owned()], &ReadFlags::default(), true)?;
-    Ok(strahl::gpu::program(&subject.plan()?)?)
+    Ok(strahl::program::program(&subject.plan()?)?)
 }
 
 fn wgsl(flags: &ShaderSceneFlags) -> Result<()> {

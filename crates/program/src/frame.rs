@@ -8,18 +8,31 @@ use strahl_scene::plan::{Plan, PlanObject, Projection};
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct Frame {
+    /// Where rays start: the eye, or the middle of the image plane.
     pub eye_mm: [f32; 3],
+    /// Distance between samples.
     pub step_mm: f32,
+    /// Unit vector.
     pub right: [f32; 3],
+    /// Tangent of half the view angle, or half the height of the picture in mm.
     pub half_height: f32,
+    /// Unit vector.
     pub up: [f32; 3],
+    /// Width over height.
     pub aspect: f32,
+    /// Unit vector.
     pub forward: [f32; 3],
+    /// 1 or 0.
     pub is_perspective: u32,
+    /// Linear, premultiplied.
     pub background: [f32; 4],
+    /// Of the picture, in pixels.
     pub size: [u32; 2],
+    /// The pixel at the corner of the part that is drawn.
     pub origin: [u32; 2],
+    /// Which of the pictures that are averaged.
     pub number: u32,
+    /// Unused.
     pub padding: [u32; 3],
 }
 
@@ -27,18 +40,31 @@ pub struct Frame {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct Object {
+    /// Rows of an affine map.
     pub voxel_from_world: [[f32; 4]; 3],
+    /// Rows of an affine map.
     pub world_from_voxel: [[f32; 4]; 3],
+    /// Voxels.
     pub dims: [u32; 3],
+    /// Which of the volumes it shows.
     pub volume: u32,
+    /// Where its bricks begin in the texture of all.
     pub bricks_first: [u32; 3],
+    /// The entry at which its transfer table begins.
     pub table_first: u32,
+    /// Where its pages begin in the texture of all.
     pub pages_first: [u32; 3],
+    /// Entries of its table.
     pub table_entries: u32,
+    /// Values of the first and last entry.
     pub table_domain: [f32; 2],
+    /// value = slope · texel + intercept.
     pub slope: f32,
+    /// See `slope`.
     pub intercept: f32,
+    /// The exponent of the opacity correction.
     pub steps_per_reference: f32,
+    /// Unused.
     pub padding: [u32; 3],
 }
 
@@ -98,6 +124,7 @@ impl Object {
     }
 }
 
+/// In single precision.
 pub fn single(v: DVec3) -> [f32; 3] {
     v.as_vec3().to_array()
 }

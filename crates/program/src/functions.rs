@@ -9,12 +9,15 @@ use strahl_scene::plan::{
 use strahl_shader::{Error, Fold, Module, Program, Selection, built_in};
 
 /// The functions of a Plan, and the values of their parameters.
+#[derive(Debug)]
 pub struct Functions {
+    /// The functions, for the linker.
     pub selection: Selection,
     /// Slot, parameter, value; in the order of the functions in their slot.
     values: Vec<Values>,
 }
 
+#[derive(Debug)]
 struct Values {
     module: Arc<Module>,
     values: Vec<(String, Vec<f64>)>,
@@ -22,7 +25,10 @@ struct Values {
 
 impl Functions {
     /// The functions of `plan`. `is_filtered` says whether the texture unit interpolates,
-    /// `mask_threshold` in which numbers of a mask's texture a threshold is.
+    /// `mask_threshold` what a threshold of mask number n is in the numbers of its texture.
+    ///
+    /// # Errors
+    /// None for a Plan that `resolve` made.
     pub fn of(
         plan: &Plan,
         is_filtered: bool,
@@ -43,6 +49,9 @@ impl Functions {
     }
 
     /// The bytes of the uniform block of `program`, which was linked from these functions.
+    ///
+    /// # Errors
+    /// A value that its parameter cannot take; none for a Plan that `resolve` made.
     pub fn parameters(&self, program: &Program) -> Result<Vec<u8>, Error> {
         let mut bytes = program.default_parameters();
         let mut used = vec![false; self.values.len()];

@@ -1,0 +1,94 @@
+//! Why a program does not run.
+
+/// An error of this crate.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The program does something that the evaluator does not.
+    #[error("the evaluator has no {what}, which function {function} uses; draw with --backend gpu")]
+    NotCovered {
+        /// What it is.
+        what: String,
+        /// Where.
+        function: String,
+    },
+    /// The module is no valid one.
+    #[error("the program is not valid: {0}")]
+    Invalid(String),
+    /// There is no such function.
+    #[error("the program has no function {name:?}; there are: {known}")]
+    NoFunction {
+        /// What was asked for.
+        name: String,
+        /// What there is.
+        known: String,
+    },
+    /// The arguments do not fit the function.
+    #[error("function {function} takes {takes} scalars per lane, {given} were given")]
+    Arguments {
+        /// The function.
+        function: String,
+        /// Scalars that it takes.
+        takes: usize,
+        /// Scalars, or lanes of one of them, that were given.
+        given: String,
+    },
+    /// A resource that the program reads is missing or of another kind.
+    #[error("the program reads {name} (group {group}, binding {binding}): {problem}")]
+    Resource {
+        /// Its name in the program.
+        name: String,
+        /// Its group.
+        group: u32,
+        /// Its binding.
+        binding: u32,
+        /// What is wrong.
+        problem: String,
+    },
+    /// A texture of other numbers than it says.
+    #[error(
+        "a texture of {dims:?} texels with {channels} channels (1 to 4) was given {given} numbers"
+    )]
+    Texture {
+        /// Texels.
+        dims: [u32; 3],
+        /// Numbers per texel.
+        channels: u32,
+        /// Numbers.
+        given: usize,
+    },
+    /// A loop that does not end.
+    #[error("a loop of the program did not end after {0} turns; give it a bound")]
+    Endless(u32),
+    /// The Plan counts more data than was handed over.
+    #[error(
+        "the plan needs {what} number {index}, of which {there} were handed to the evaluator; hand over the data that the plan was resolved for"
+    )]
+    NoData {
+        /// `volume`, `mask` or `mesh`.
+        what: &'static str,
+        /// Which one, from 0.
+        index: usize,
+        /// How many there are.
+        there: usize,
+    },
+    /// The Plan was resolved for another volume.
+    #[error(
+        "the plan is for a grid of {plan:?} voxels, the volume has {volume:?} (or lies elsewhere); resolve the scene with this volume's header"
+    )]
+    OtherGrid {
+        /// Dimensions in the Plan.
+        plan: [usize; 3],
+        /// Dimensions of the volume.
+        volume: [usize; 3],
+    },
+    /// Coefficients of a B-spline, or the values of a mask, cannot be made.
+    #[error(transparent)]
+    Volume(#[from] strahl_volume::Error),
+    /// The functions cannot be linked.
+    #[error(transparent)]
+    Shader(#[from] strahl_shader::Error),
+    /// The caller's progress function asked for it.
+    #[error("cancelled")]
+    Cancelled,
+}

@@ -1,0 +1,437 @@
+//! Runs linked programs without a graphics processor.
+//!
+//! A [`Program`] is WGSL, checked by naga. Here naga's expressions and statements
+//! are compiled to operations on registers of [`LANES`] numbers, one per pixel of a block, with masks for
+//! what each pixel has decided; so every program draws anywhere, whoever wrote it: the linker from settings,
+//! a user in a module, a graph. It is the renderer for what has no twin on the processor, and the witness for
+//! what a graphics processor draws: interpolation is exact, and the bytes are the same on any number of threads.
+//!
+//! ```
+//! use strahl_evaluate::{Evaluator, no_progress};
+//! use strahl_scene::{Scene, resolve};
+//! use strahl_volume::Phantom;
+//!
+//! let volume = Phantom::Tree.volume([32, 32, 32])?;
+//! let scene = Scene::parse("scene", r#"{ "size": [64, 48] }"#)?;
+//! let plan = resolve(&scene, &volume.header(), None)?;
+//! let picture = Evaluator::new(&volume).render(&plan, no_progress)?;
+//! assert_eq!((picture.image.width(), picture.image.height()), (64, 48));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! [`Machine`] runs single functions and entry points: a vertex stage, or a function under test. What a
+//! program does that is not covered (derivatives over pixels, textures of several levels or layers, storage
+//! buffers, whole numbers and floats of other than 32 bits) is refused by name before a pixel is drawn.
+
+#![warn(missing_docs)]
+
+mod code;
+mod compile;
+mod data;
+mod error;
+mod geometry;
+mod machine;
+mod registers;
+mod resources;
+mod run;
+mod scalar;
+
+pub use code::LANES;
+pub use error::Error;
+pub use machine::{Component, Machine, Results};
+pub use resources::{Address, Filter, Numbers, Resource, Resources, Sampler, Texture};
+
+use code::{BLOCK, Lanes};
+use data::Data;
+use rayon::prelude::*;
+use run::State;
+use std::ops::ControlFlow;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
+use strahl_program::{Frame, Functions, Object, Table2d, noise_tile, tables, visible_bricks};
+use strahl_scene::Image;
+use strahl_scene::plan::Plan;
+use strahl_shader::{Linker, NOWHERE_MM, Program, RayLoop, TABLE_ROW, Texels, bindings, ray_loop};
+use strahl_volume::Datasets;
+
+/// A function that does nothing with the progress and never ends the picture.
+pub fn no_progress(_drawn: usize, _total: usize) -> ControlFlow<()> {
+    ControlFlow::Continue(())
+}
+
+/// Draws Plans of the same data.
+#[derive(Debug)]
+pub struct Evaluator<'v> {
+    datasets: Datasets<'v>,
+    /// Made when the first picture is drawn.
+    data: Option<Data<'v>>,
+    linker: Linker,
+}
+
+/// A picture and what it has cost.
+#[derive(Clone, Debug)]
+pub struct Rendered {
+    /// The picture.
+    pub image: Image,
+    /// Distance of the first hit or of opaque geometry from the start of each ray in mm, row by row,
+    /// infinite without; `None` if the Plan does not ask.
+    pub depth_mm: Option<Vec<f32>>,
+    /// Linking, compiling and drawing.
+    pub seconds: f64,
+}
+
+impl<'v> Evaluator<'v> {
+    /// Draws from `data`, which it reads in place.
+    pub fn new(data: impl Into<Datasets<'v>>) -> Evaluator<'v> {
+        Evaluator {
+            datasets: data.into(),
+            data: None,
+            linker: Linker::new(),
+        }
+    }
+
+    /// The program that draws `plan`, and its uniform block.
+    fn program(&mut self, plan: &Plan) -> Result<(Arc<Program>, Vec<u8>), Error> {
+        let data = ready(&mut self.data, &self.datasets, plan)?;
+        let threshold = |mask, threshold| data.mask_threshold(mask, threshold);
+        let functions = Functions::of(plan, false, threshold)?;
+        let skeleton = ray_loop(&RayLoop {
+            volumes: vec![Texels::UnfilterableFloat; data.volumes()],
+            objects: plan.objects.len(),
+            is_before_geometry: !plan.meshes.is_empty(),
+            is_finite: data.are_finite() && functions.selection.is_built_in(),
+        })?;
+        let program = self.linker.link(&skeleton, &functions.selection)?;
+        let parameters = functions.parameters(&program)?;
+        Ok((program, parameters))
+    }
+
+    /// Draws `plan`. `progress` is told the rows drawn and all rows, and may end the picture.
+    ///
+    /// # Errors
+    /// The Plan belongs to other data, its functions cannot be linked or do what is not covered, or
+    /// `progress` says stop.
+    pub fn render(
+        &mut self,
+        plan: &Plan,
+        progress: impl Fn(usize, usize) -> ControlFlow<()> + Sync,
+    ) -> Result<Rendered, Error> {
+        let start = Instant::now();
+        let (program, parameters) = self.program(plan)?;
+        let mut rendered = self.render_by(plan, &program, &parameters, &[], progress)?;
+        rendered.seconds = start.elapsed().as_secs_f64();
+        Ok(rendered)
+    }
+
+    /// The functions that a Plan asks for, as a graph compiler needs them.
+    ///
+    /// # Errors
+    /// The Plan belongs to other data.
+    pub fn functions(&mut self, plan: &Plan) -> Result<Functions, Error> {
+        let data = ready(&mut self.data, &self.datasets, plan)?;
+        let threshold = |mask, threshold| data.mask_threshold(mask, threshold);
+        Ok(Functions::of(plan, false, threshold)?)
+    }
+
+    /// The loop that a Plan asks for, as a graph compiler needs it.
+    ///
+    /// # Errors
+    /// The Plan belongs to other data.
+    pub fn loop_of(&mut self, plan: &Plan) -> Result<RayLoop, Error> {
+        let data = ready(&mut self.data, &self.datasets, plan)?;
+        Ok(RayLoop {
+            volumes: vec![Texels::UnfilterableFloat; data.volumes()],
+            objects: plan.objects.len(),
+            is_before_geometry: !plan.meshes.is_empty(),
+            is_finite: false,
+        })
+    }
+
+    /// Draws `plan` by a program of the caller's, which reads what [`strahl_shader::bindings`] lists.
+    /// `parameters` is its uniform block, `textures` are those of a graph.
+    ///
+    /// # Errors
+    /// As [`Evaluator::render`].
+    pub fn render_by(
+        &mut self,
+        plan: &Plan,
+        program: &Arc<Program>,
+        parameters: &[u8],
+        textures: &[Table2d],
+        progress: impl Fn(usize, usize) -> ControlFlow<()> + Sync,
+    ) -> Result<Rendered, Error> {
+        let start = Instant::now();
+        let data = ready(&mut self.data, &self.datasets, plan)?;
+        let mut scenery = Scenery::new(plan, data, program, parameters, textures)?;
+        let entry = if plan.with_depth {
+            "fragment_with_depth"
+        } else {
+            "fragment"
+        };
+        let (width, height) = (plan.width as usize, plan.height as usize);
+        let mut pixels = vec![[0.0; 4]; width * height];
+        let frames = plan.lattice.frames;
+        let mut sums = vec![[0.0f64; 4]; if frames == 1 { 0 } else { width * height }];
+        let mut depth_mm = plan.with_depth.then(|| vec![f32::INFINITY; width * height]);
+        let drawn = AtomicUsize::new(0);
+        let row_drawn = |rows: usize| {
+            let drawn = drawn.fetch_add(rows, Ordering::Relaxed) + rows;
+            match progress(drawn, frames as usize * height) {
+                ControlFlow::Continue(()) => Ok(()),
+                ControlFlow::Break(()) => Err(Error::Cancelled),
+            }
+        };
+        for number in 0..frames {
+            scenery.set_frame(number)?;
+            let (frame, depth) = scenery.draw(entry, plan, &row_drawn)?;
+            if frames == 1 {
+                pixels = frame;
+            } else {
+                for (sum, pixel) in sums.iter_mut().zip(&frame) {
+                    for (sum, c) in sum.iter_mut().zip(pixel) {
+                        *sum += f64::from(*c);
+                    }
+                }
+            }
+            if number == 0
+                && let Some(depth_mm) = &mut depth_mm
+            {
+                let geometry = scenery.distance_mm.iter().flatten();
+                let planes = [depth.iter().collect::<Vec<_>>(), geometry.collect()];
+                for plane in planes {
+                    for (depth, found) in depth_mm.iter_mut().zip(plane) {
+                        if *found < NOWHERE_MM {
+                            *depth = depth.min(*found);
+                        }
+                    }
+                }
+            }
+        }
+        for (pixel, sum) in pixels.iter_mut().zip(&sums) {
+            *pixel = sum.map(|c| (c / f64::from(frames)) as f32);
+        }
+        Ok(Rendered {
+            image: Image::from_pixels(plan.width, plan.height, pixels)
+                .into_linear(plan.compositing),
+            depth_mm,
+            seconds: start.elapsed().as_secs_f64(),
+        })
+    }
+}
+
+/// The data, made when it is first asked for, with all that `plan` reads of it.
+fn ready<'a, 'v>(
+    data: &'a mut Option<Data<'v>>,
+    datasets: &Datasets<'v>,
+    plan: &Plan,
+) -> Result<&'a Data<'v>, Error> {
+    let made = match data.take() {
+        Some(made) => made,
+        None => Data::new(datasets.clone())?,
+    };
+    let made = data.insert(made);
+    made.check(plan)?;
+    made.make_coefficients(plan)?;
+    Ok(made)
+}
+
+/// A program with all that it reads of a Plan and its data.
+struct Scenery<'a> {
+    machine: Machine<'a>,
+    frame: Frame,
+    objects: Vec<Object>,
+    distance_mm: Option<Vec<f32>>,
+}
+
+/// Everything that a program may read is here, whether it does or not.
+const GROUP: u32 = 0;
+
+impl<'a> Scenery<'a> {
+    fn new(
+        plan: &Plan,
+        data: &'a Data,
+        program: &'a Program,
+        parameters: &[u8],
+        textures: &[Table2d],
+    ) -> Result<Scenery<'a>, Error> {
+        let frame = Frame::of(plan);
+        let mut objects: Vec<_> = plan
+            .objects
+            .iter()
+            .map(|object| {
+                let (slope, intercept) = data.value_of_texel(plan, object);
+                Object::of(plan, object, slope, intercept)
+            })
+            .collect();
+        let entries = tables(plan, &mut objects);
+        let (brick_dims, bricks) = visible_bricks(plan, &mut objects, |i| data.bricks(plan, i));
+        let geometry = (!plan.meshes.is_empty()).then(|| geometry::draw(plan, &data.meshes));
+        let mut resources = Resources::new();
+        for binding in program.bindings() {
+            let flat = |numbers: Vec<f32>, [width, height]: [u32; 2], channels| {
+                let numbers = Numbers::F32(numbers.into());
+                Ok(Resource::Texture(Texture::new(
+                    [width, height, 1],
+                    channels,
+                    numbers,
+                )?))
+            };
+            let nothing = || Texture::new([1; 3], 1, Numbers::F32(vec![0.0].into()));
+            let resource: Result<Resource, Error> = match binding {
+                bindings::FRAME => Ok(Resource::Uniform(frame.bytes(&objects))),
+                bindings::PARAMETERS => Ok(Resource::Uniform(parameters.to_vec())),
+                bindings::VOLUME_SAMPLER => Ok(Resource::Sampler(Sampler::default())),
+                bindings::TABLES => {
+                    let size = [TABLE_ROW, entries.len() as u32 / TABLE_ROW];
+                    flat(entries.concat(), size, 4)
+                }
+                bindings::BRICKS => {
+                    let bricks: Vec<u32> = bricks.iter().map(|b| u32::from(*b)).collect();
+                    let numbers = Numbers::U32(bricks.into());
+                    Ok(Resource::Texture(Texture::new(brick_dims, 1, numbers)?))
+                }
+                bindings::NOISE_TILE => {
+                    let (edge, values) = noise_tile(plan);
+                    let rows = values.len() as u32 / edge;
+                    flat(values, [edge, rows], 1)
+                }
+                bindings::OPAQUE_MM | bindings::OPAQUE_COLOR => {
+                    let size = [plan.width, plan.height];
+                    match &geometry {
+                        Some(geometry) if binding == bindings::OPAQUE_MM => {
+                            flat(geometry.distance_mm.clone(), size, 1)
+                        }
+                        Some(geometry) => flat(geometry.color.concat(), size, 4),
+                        None if binding == bindings::OPAQUE_MM => flat(vec![NOWHERE_MM], [1; 2], 1),
+                        None => flat(vec![0.0; 4], [1; 2], 4),
+                    }
+                }
+                bindings::PAGES => Err(Error::NotCovered {
+                    what: "volume in pages".into(),
+                    function: "stored".into(),
+                }),
+                _ if binding < bindings::FIRST_VOLUME => {
+                    let mask = (binding - bindings::FIRST_MASK) as usize;
+                    let mask = data.mask(mask).unwrap_or_else(nothing);
+                    Ok(Resource::Texture(mask?))
+                }
+                _ if binding >= bindings::FIRST_TEXTURE => {
+                    let index = (binding - bindings::FIRST_TEXTURE) as usize;
+                    let table = textures.get(index).ok_or(Error::NoData {
+                        what: "texture",
+                        index,
+                        there: textures.len(),
+                    })?;
+                    flat(table.texels.concat(), [table.width, table.height], 4)
+                }
+                _ => {
+                    let volume = (binding - bindings::FIRST_VOLUME) as usize;
+                    if volume >= data.volumes() {
+                        return Err(Error::NoData {
+                            what: "volume",
+                            index: volume,
+                            there: data.volumes(),
+                        });
+                    }
+                    let kind = texel_kind(program.naga(), binding);
+                    Ok(Resource::Texture(data.volume(plan, volume, kind)?))
+                }
+            };
+            resources.put(GROUP, binding, resource?);
+        }
+        Ok(Scenery {
+            machine: Machine::unprepared(program.naga(), resources)?,
+            frame,
+            objects,
+            distance_mm: geometry.map(|geometry| geometry.distance_mm),
+        })
+    }
+
+    fn set_frame(&mut self, number: u32) -> Result<(), Error> {
+        self.frame.number = number;
+        if !self.machine.has(GROUP, bindings::FRAME) {
+            return Ok(());
+        }
+        let bytes = self.frame.bytes(&self.objects);
+        self.machine.set_uniform(GROUP, bindings::FRAME, &bytes)
+    }
+
+    /// Colours, and what location 1 says.
+    fn draw(
+        &self,
+        entry: &str,
+        plan: &Plan,
+        rows_drawn: &(dyn Fn(usize) -> Result<(), Error> + Sync),
+    ) -> Result<(Vec<[f32; 4]>, Vec<f32>), Error> {
+        let (width, height) = (plan.width as usize, plan.height as usize);
+        let code = self.machine.code(entry)?;
+        let run = self.machine.prepared(&code);
+        let mut pixels = vec![[0.0; 4]; width * height];
+        let mut depth_mm = vec![NOWHERE_MM; if plan.with_depth { width * height } else { 0 }];
+        let with_depth = plan.with_depth;
+        let strip = BLOCK * width;
+        let mut no_depth: Vec<[f32; 0]> = vec![[]; height.div_ceil(BLOCK)];
+        let depth_strips: Vec<&mut [f32]> = if with_depth {
+            depth_mm.chunks_mut(strip).collect()
+        } else {
+            no_depth.iter_mut().map(|none| &mut none[..]).collect()
+        };
+        pixels
+            .par_chunks_mut(strip)
+            .zip(depth_strips)
+            .enumerate()
+            .try_for_each_init(
+                || State::new(&run),
+                |state, (row, (pixels, depth))| -> Result<(), Error> {
+                    let rows = pixels.len() / width;
+                    for left in (0..width).step_by(BLOCK) {
+                        let columns = BLOCK.min(width - left);
+                        let mut active = Lanes::NONE;
+                        let mut at = [[0.0f32; code::LANES]; 4];
+                        for (lane, active) in active.0.iter_mut().enumerate() {
+                            let (x, y) = (lane % BLOCK, lane / BLOCK);
+                            // Lanes outside the picture do nothing.
+                            *active = if x < columns && y < rows { !0 } else { 0 };
+                            at[0][lane] = (left + x) as f32 + 0.5;
+                            at[1][lane] = (row * BLOCK + y) as f32 + 0.5;
+                            at[3][lane] = 1.0;
+                        }
+                        for (register, numbers) in code.inputs.iter().zip(at) {
+                            state.registers[*register as usize] = Lanes(numbers.map(f32::to_bits));
+                        }
+                        let killed = state.run(active)?;
+                        for lane in 0..code::LANES {
+                            if active.0[lane] & !killed.0[lane] == 0 {
+                                continue;
+                            }
+                            let pixel = lane / BLOCK * width + left + lane % BLOCK;
+                            let number = |i: usize| {
+                                let register = code.outputs[i] as usize;
+                                f32::from_bits(state.registers[register].0[lane])
+                            };
+                            pixels[pixel] = [number(0), number(1), number(2), number(3)];
+                            if with_depth {
+                                depth[pixel] = number(4);
+                            }
+                        }
+                    }
+                    rows_drawn(rows)
+                },
+            )?;
+        Ok((pixels, depth_mm))
+    }
+}
+
+/// The kind of numbers of the texture at a binding.
+fn texel_kind(module: &naga::Module, binding: u32) -> naga::ScalarKind {
+    let mut variables = module.global_variables.iter();
+    let found = variables.find(|(_, v)| v.binding.as_ref().is_some_and(|b| b.binding == binding));
+    match found.map(|(_, variable)| &module.types[variable.ty].inner) {
+        Some(naga::TypeInner::Image {
+            class: naga::ImageClass::Sampled { kind, .. },
+            ..
+        }) => *kind,
+        _ => naga::ScalarKind::Float,
+    }
+}

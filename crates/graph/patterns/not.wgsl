@@ -1,0 +1,4 @@
+/// Whether it is false.
+fn negated(a: bool) -> bool {
+    return !a;
+}

@@ -1,0 +1,4 @@
+/// Whether one is true.
+fn either(a: bool, b: bool) -> bool {
+    return a || b;
+}

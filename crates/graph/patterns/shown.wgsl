@@ -1,0 +1,5 @@
+/// A pixel of colour and opacity.
+/// color: color.linear
+fn shown(color: vec3f, opacity: f32) -> vec4f {
+    return vec4f(color * opacity, opacity);
+}

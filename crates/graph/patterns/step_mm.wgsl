@@ -1,0 +1,5 @@
+/// The distance between samples.
+/// result: length.mm
+fn distance_of_samples() -> f32 {
+    return step_mm();
+}

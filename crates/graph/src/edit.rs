@@ -1,0 +1,633 @@
+//! Edits of a graph: named lists of commands, carried out again whenever the settings make a new one.
+
+use crate::error::Problem;
+use crate::functions::{self, Patterns, nearest};
+use crate::model::{Carried, Constant, Graph, Input, Kind, Node, Reference};
+use std::collections::HashMap;
+
+/// A list of commands with a name.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct EditList {
+    /// Unique, for messages.
+    pub name: String,
+    /// What is done, one after the other.
+    pub commands: Vec<Edit>,
+}
+
+/// A command.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Edit {
+    /// More nodes (S3-46: merge).
+    Add(Vec<Node>),
+    /// Inputs, by their paths, read something else than they did (connect with override).
+    Connect(Vec<(String, Input)>),
+    /// A node between an input and what that read.
+    Insert {
+        /// The node, which is there already.
+        node: String,
+        /// `NODE.INPUT`, or an anchor's name.
+        into: String,
+        /// The input of the node that reads what `into` read; its first unconnected one if not said.
+        input: Option<String>,
+        /// The output that `into` reads now; its only one if not said.
+        output: Option<String>,
+    },
+    /// Whoever reads a node reads another one.
+    ReplaceNode {
+        /// Who is read no more.
+        node: String,
+        /// Who is read.
+        by: By,
+    },
+    /// A stage of the standard graph is something else.
+    ReplaceStage {
+        /// Its name.
+        stage: String,
+        /// What comes out of it.
+        by: By,
+    },
+    /// More variables that a loop carries: `LOOP.VARIABLE`.
+    Carry(Vec<(String, Carried)>),
+    /// Values of parameters and uniforms: `NODE.PARAMETER`, `NODE.value`.
+    Set(Vec<(String, Vec<f64>)>),
+    /// Roots, in place of those of the same name.
+    Root(Vec<(String, Reference)>),
+    /// Roots that are wanted no more.
+    RemoveRoot(Vec<String>),
+    /// Nodes that are there no more.
+    Remove(Vec<String>),
+    /// Another graph in place of everything.
+    Everything(Graph),
+}
+
+/// What comes in place of something.
+#[derive(Clone, Debug, PartialEq)]
+pub enum By {
+    /// One node, or one output.
+    One(Reference),
+    /// Part by part.
+    Parts(Vec<(String, Input)>),
+}
+
+/// The stages of the standard graph, each between two anchors or, where it has parts, two for each.
+pub const STAGES: [(&str, &[&str]); 7] = [
+    ("clip_ray", &[]),
+    ("jitter", &[]),
+    ("sample", &[]),
+    ("clip_sample", &[]),
+    ("classify", &[]),
+    ("shade", &["color", "opacity"]),
+    ("composite", &["color", "opacity"]),
+];
+
+/// An edited graph.
+#[derive(Clone, Debug)]
+pub struct Edited {
+    /// The graph.
+    pub graph: Graph,
+    /// Where two lists want the same place: the later one has it.
+    pub conflicts: Vec<Problem>,
+}
+
+/// `graph` after all commands of all lists, in their order.
+///
+/// # Errors
+/// Every command that cannot be carried out, with its place. A graph that is wrong afterwards is found when it
+/// is compiled.
+pub fn edited(
+    graph: Graph,
+    lists: &[EditList],
+    patterns: &Patterns,
+) -> Result<Edited, Vec<Problem>> {
+    let mut editor = Editor {
+        graph,
+        patterns,
+        problems: Vec::new(),
+        conflicts: Vec::new(),
+        written: HashMap::new(),
+        list: 0,
+        lists,
+    };
+    for (i, list) in lists.iter().enumerate() {
+        editor.list = i;
+        for (j, command) in list.commands.iter().enumerate() {
+            editor.carry_out(command, &format!("edits.{}.commands[{j}]", list.name));
+        }
+    }
+    if !editor.problems.is_empty() {
+        return Err(editor.problems);
+    }
+    Ok(Edited {
+        graph: editor.graph,
+        conflicts: editor.conflicts,
+    })
+}
+
+struct Editor<'e> {
+    graph: Graph,
+    patterns: &'e Patterns,
+    problems: Vec<Problem>,
+    conflicts: Vec<Problem>,
+    /// What has been written: by which list, and where that says so.
+    written: HashMap<String, (usize, String)>,
+    list: usize,
+    lists: &'e [EditList],
+}
+
+impl Editor<'_> {
+    fn wrong(&mut self, place: impl Into<String>, why: impl Into<String>) {
+        if self.problems.len() < 50 {
+            self.problems.push(Problem::new(place, why));
+        }
+    }
+
+    /// Remembers that `target` is written at `place`; another list's word on it is a conflict.
+    fn write(&mut self, target: &str, place: &str) {
+        let before = self
+            .written
+            .insert(target.to_owned(), (self.list, place.to_owned()));
+        if let Some((list, earlier)) = before
+            && list != self.list
+        {
+            let name = &self.lists[list].name;
+            let why = format!(
+                "`{target}` is set by the list `{name}`, too, at {earlier}; this one is later and counts"
+            );
+            self.conflicts.push(Problem::new(place, why));
+        }
+    }
+
+    fn no_node(&self, name: &str) -> String {
+        let names = || self.graph.nodes.iter().map(|n| n.name.as_str());
+        let mut why = format!("there is no node `{name}` in the graph as it is");
+        if let Some(near) = nearest(name, names()) {
+            why.push_str(&format!("; did you mean `{near}`?"));
+        } else {
+            let anchors: Vec<_> = names().filter(|n| n.starts_with("after_")).collect();
+            if !anchors.is_empty() {
+                let anchors = anchors.join(", ");
+                why.push_str(&format!(
+                    "; with other settings there are other nodes, but always {anchors}"
+                ));
+            }
+        }
+        why
+    }
+
+    fn carry_out(&mut self, command: &Edit, place: &str) {
+        match command {
+            Edit::Add(nodes) => {
+                for node in nodes {
+                    let place = format!("{place}.add.{}", node.name);
+                    if self.graph.node(&node.name).is_some() {
+                        let owner = self.written.get(&node.name).map(|(list, at)| {
+                            format!("; the list `{}` adds it at {at}", self.lists[*list].name)
+                        });
+                        let owner = owner.unwrap_or_default();
+                        self.wrong(
+                            &place,
+                            format!(
+                                "there is a node `{}` already{owner}; rename this one",
+                                node.name
+                            ),
+                        );
+                        continue;
+                    }
+                    self.write(&node.name, &place);
+                    self.graph.nodes.push(node.clone());
+                }
+            }
+            Edit::Connect(inputs) => {
+                for (to, from) in inputs {
+                    let place = format!("{place}.connect.{to}");
+                    self.connect(to, from.clone(), &place);
+                }
+            }
+            Edit::Insert {
+                node,
+                into,
+                input,
+                output,
+            } => self.insert(
+                node,
+                into,
+                input.as_deref(),
+                output.as_deref(),
+                &format!("{place}.insert"),
+            ),
+            Edit::ReplaceNode { node, by } => {
+                self.replace_node(node, by, &format!("{place}.replace"))
+            }
+            Edit::ReplaceStage { stage, by } => {
+                self.replace_stage(stage, by, &format!("{place}.replace"))
+            }
+            Edit::Carry(variables) => {
+                for (to, carried) in variables {
+                    self.carry(to, carried, &format!("{place}.carry.{to}"));
+                }
+            }
+            Edit::Set(values) => {
+                for (to, value) in values {
+                    self.set(to, value, &format!("{place}.set.{to}"));
+                }
+            }
+            Edit::Root(roots) => {
+                for (name, from) in roots {
+                    let place = format!("{place}.root.{name}");
+                    self.write(&format!("roots.{name}"), &place);
+                    match self.graph.roots.iter_mut().find(|(n, _)| n == name) {
+                        Some((_, root)) => *root = from.clone(),
+                        None => self.graph.roots.push((name.clone(), from.clone())),
+                    }
+                }
+            }
+            Edit::RemoveRoot(names) => {
+                for name in names {
+                    let place = format!("{place}.remove_root");
+                    match self.graph.roots.iter().position(|(n, _)| n == name) {
+                        Some(i) => {
+                            self.write(&format!("roots.{name}"), &place);
+                            self.graph.roots.remove(i);
+                        }
+                        None => {
+                            let names: Vec<_> =
+                                self.graph.roots.iter().map(|(n, _)| n.as_str()).collect();
+                            let names = names.join(", ");
+                            self.wrong(
+                                place,
+                                format!("there is no root `{name}`; there are {names}"),
+                            );
+                        }
+                    }
+                }
+            }
+            Edit::Remove(names) => {
+                for name in names {
+                    let place = format!("{place}.remove");
+                    match self.graph.nodes.iter().position(|n| n.name == *name) {
+                        Some(i) => {
+                            self.write(name, &place);
+                            self.graph.nodes.remove(i);
+                        }
+                        None => {
+                            let why = self.no_node(name);
+                            self.wrong(place, why);
+                        }
+                    }
+                }
+            }
+            Edit::Everything(graph) => {
+                let place = format!("{place}.everything");
+                // Whatever other lists have done before is gone.
+                let before: Vec<_> = self.written.drain().collect();
+                let mut others: Vec<_> = before
+                    .into_iter()
+                    .filter(|(_, (list, _))| *list != self.list)
+                    .collect();
+                others.sort();
+                if let Some((_, (list, earlier))) = others.into_iter().next() {
+                    let name = &self.lists[list].name;
+                    let why = format!(
+                        "this graph takes the place of everything, also of what the list `{name}` has done, such as at {earlier}; put this list first"
+                    );
+                    self.conflicts.push(Problem::new(place, why));
+                }
+                self.graph = graph.clone();
+            }
+        }
+    }
+
+    /// The place that `to` names, to be read and written.
+    fn input(&mut self, to: &str) -> Result<Target<'_>, String> {
+        let Some((name, rest)) = to.split_once('.') else {
+            return match self.graph.node(to).map(|node| &node.kind) {
+                Some(Kind::Anchor) => self.input(&format!("{to}.in")),
+                Some(_) => Err(format!("say which input of `{to}`: `{to}.INPUT`")),
+                None => Err(self.no_node(to)),
+            };
+        };
+        let Some(i) = self.graph.nodes.iter().position(|n| n.name == name) else {
+            return Err(self.no_node(name));
+        };
+        let node = &mut self.graph.nodes[i];
+        if let Kind::Loop(region) = &mut node.kind {
+            return match rest.split_once('.') {
+                None if rest == "while" => Ok(Target::Condition(&mut region.while_)),
+                None if rest == "until" => Ok(Target::Condition(&mut region.until)),
+                Some((variable, key)) => {
+                    let known: Vec<_> = region.carry.iter().map(|c| c.name.clone()).collect();
+                    let found = region.carry.iter_mut().find(|c| c.name == variable);
+                    let Some(carried) = found else {
+                        return Err(format!(
+                            "the loop `{name}` has no variable `{variable}`; it carries {}",
+                            known.join(", ")
+                        ));
+                    };
+                    match key {
+                        "start" => Ok(Target::Carried(&mut carried.start)),
+                        "next" => Ok(Target::Carried(&mut carried.next)),
+                        _ => Err(format!(
+                            "a loop's variable has `start` and `next`, not `{key}`"
+                        )),
+                    }
+                }
+                None => Err(format!(
+                    "`{to}` is no place of a loop; there are `{name}.VARIABLE.start`, `{name}.VARIABLE.next`, `{name}.while`, `{name}.until`"
+                )),
+            };
+        }
+        Ok(Target::Input(&mut node.inputs, rest.to_owned()))
+    }
+
+    fn connect(&mut self, to: &str, from: Input, place: &str) {
+        let done = self.input(to).and_then(|mut target| target.set(from));
+        match done {
+            Ok(()) => {
+                let to = self.normal(to);
+                self.write(&to, place);
+            }
+            Err(why) => self.wrong(place, why),
+        }
+    }
+
+    /// `to` with the input of an anchor said.
+    fn normal(&self, to: &str) -> String {
+        match self.graph.node(to) {
+            Some(_) => format!("{to}.in"),
+            None => to.to_owned(),
+        }
+    }
+
+    fn insert(
+        &mut self,
+        node: &str,
+        into: &str,
+        input: Option<&str>,
+        output: Option<&str>,
+        place: &str,
+    ) {
+        let before = match self.input(into).map(|target| target.get()) {
+            Ok(Some(before)) => before,
+            Ok(None) => {
+                self.wrong(
+                    format!("{place}.into"),
+                    format!("`{into}` reads nothing; connect it instead"),
+                );
+                return;
+            }
+            Err(why) => {
+                self.wrong(format!("{place}.into"), why);
+                return;
+            }
+        };
+        let Some(between) = self.graph.node(node) else {
+            let why = self.no_node(node);
+            self.wrong(format!("{place}.node"), why);
+            return;
+        };
+        let input = match input {
+            Some(input) => input.to_owned(),
+            None => match self.first_free(between) {
+                Ok(input) => input,
+                Err(why) => {
+                    self.wrong(format!("{place}.input"), why);
+                    return;
+                }
+            },
+        };
+        let mut from = Reference::new(node);
+        if let Some(output) = output {
+            from.path.extend(output.split('.').map(str::to_owned));
+        }
+        // Both ends, without a word about a conflict: lists may insert at one place one after the other.
+        let read = self
+            .input(&format!("{node}.{input}"))
+            .and_then(|mut target| target.set(before));
+        let written = self
+            .input(into)
+            .and_then(|mut target| target.set(Input::From(from)));
+        if let Err(why) = read.and(written) {
+            self.wrong(place, why);
+        }
+    }
+
+    /// The first input of a node that nothing is connected to.
+    fn first_free(&self, node: &Node) -> Result<String, String> {
+        let function = match &node.kind {
+            Kind::Slot(slot) => functions::of_slot(slot),
+            Kind::Function(path) => functions::of_library(path),
+            Kind::Pattern(name) => self.patterns.function(name),
+            Kind::Wgsl(source) => functions::of_wgsl(&node.name, &node.name, source),
+            Kind::Anchor => return Ok("in".to_owned()),
+            Kind::Group(graph) => {
+                let free = graph.inputs.iter().find(|i| node.reads(&i.name).is_none());
+                return free.map(|i| i.name.clone()).ok_or_else(|| {
+                    "all inputs of the group are connected; say `input`".to_owned()
+                });
+            }
+            _ => return Err("say `input`: which input reads what was there".to_owned()),
+        };
+        let function = function?;
+        let free = function
+            .inputs
+            .iter()
+            .find(|port| node.reads(&port.name).is_none());
+        free.map(|port| port.name.clone())
+            .ok_or_else(|| format!("all inputs of `{}` are connected; say `input`", node.name))
+    }
+
+    fn replace_node(&mut self, node: &str, by: &By, place: &str) {
+        if self.graph.node(node).is_none() {
+            let why = self.no_node(node);
+            self.wrong(format!("{place}.node"), why);
+            return;
+        }
+        let own: Vec<String> = match by {
+            By::One(reference) => vec![reference.node.clone()],
+            By::Parts(parts) => (parts.iter())
+                .filter_map(|(_, from)| match from {
+                    Input::From(reference) => Some(reference.node.clone()),
+                    Input::Constant(_) => None,
+                })
+                .collect(),
+        };
+        let mut problems = Vec::new();
+        self.graph.for_each_reference_mut(|at, reference| {
+            // What takes its place may read it.
+            let is_own = own.iter().any(|name| at.strip_prefix("nodes.").is_some_and(|rest| {
+                rest.split('.').next() == Some(name)
+            }));
+            if reference.node != node || is_own {
+                return;
+            }
+            match by {
+                By::One(target) => {
+                    let rest = std::mem::take(&mut reference.path);
+                    *reference = target.clone();
+                    reference.path.extend(rest);
+                }
+                By::Parts(parts) => {
+                    let part = reference.path.first().and_then(|first| parts.iter().find(|(p, _)| p == first));
+                    match part {
+                        Some((_, Input::From(target))) => {
+                            let rest = reference.path.split_off(1);
+                            *reference = target.clone();
+                            reference.path.extend(rest);
+                        }
+                        Some((part, Input::Constant(_))) => problems.push(format!(
+                            "`{part}` is read at {at}: a node takes its place; for a number, connect that input"
+                        )),
+                        None => problems.push(format!("{at} reads `{reference}`, for which `by` says nothing")),
+                    }
+                }
+            }
+        });
+        for why in problems {
+            self.wrong(format!("{place}.by"), why);
+        }
+        self.write(&format!("{node} as a whole"), place);
+    }
+
+    fn replace_stage(&mut self, stage: &str, by: &By, place: &str) {
+        let Some((_, parts)) = STAGES.iter().find(|(name, _)| *name == stage) else {
+            let names: Vec<_> = STAGES.iter().map(|(name, _)| *name).collect();
+            self.wrong(
+                format!("{place}.stage"),
+                format!("there is no stage `{stage}`; they are {}", names.join(", ")),
+            );
+            return;
+        };
+        let ends: Vec<(String, Input)> = match by {
+            By::One(reference) if parts.is_empty() => {
+                vec![(format!("after_{stage}.in"), Input::From(reference.clone()))]
+            }
+            By::One(reference) => (parts.iter())
+                .map(|part| {
+                    let mut reference = reference.clone();
+                    reference.path.push((*part).to_owned());
+                    (format!("after_{stage}_{part}.in"), Input::From(reference))
+                })
+                .collect(),
+            By::Parts(given) => {
+                for (part, _) in given {
+                    if !parts.contains(&part.as_str()) {
+                        let why = match parts {
+                            [] => format!(
+                                "the stage {stage} has no parts; write \"by\": \"node.output\""
+                            ),
+                            _ => format!("the stage {stage} has the parts {}", parts.join(", ")),
+                        };
+                        self.wrong(format!("{place}.by.{part}"), why);
+                        return;
+                    }
+                }
+                (given.iter())
+                    .map(|(part, from)| (format!("after_{stage}_{part}.in"), from.clone()))
+                    .collect()
+            }
+        };
+        for (to, from) in ends {
+            self.connect(&to, from, place);
+        }
+        if matches!(stage, "sample" | "classify") {
+            self.stop_skipping();
+        }
+    }
+
+    /// What is empty is known for the scene's transfer function at the places of the lattice only.
+    fn stop_skipping(&mut self) {
+        for node in &mut self.graph.nodes {
+            let skips = match &node.kind {
+                Kind::Pattern(pattern) => pattern == "is_seen" || pattern == "advance",
+                _ => false,
+            };
+            for (_, input) in node
+                .inputs
+                .iter_mut()
+                .filter(|(name, _)| skips && name == "empty")
+            {
+                *input = Input::Constant(Constant::Numbers(vec![0.0]));
+            }
+        }
+    }
+
+    fn carry(&mut self, to: &str, carried: &Carried, place: &str) {
+        let Some((name, variable)) = to.split_once('.') else {
+            self.wrong(place, "say the loop and its variable: LOOP.VARIABLE");
+            return;
+        };
+        let why = self.no_node(name);
+        match self.graph.node_mut(name).map(|node| &mut node.kind) {
+            Some(Kind::Loop(region)) => {
+                if region.carry.iter().any(|c| c.name == variable) {
+                    self.wrong(place, format!("the loop `{name}` carries `{variable}` already; rename it, or connect `{to}.next`"));
+                    return;
+                }
+                region.carry.push(Carried {
+                    name: variable.to_owned(),
+                    ..carried.clone()
+                });
+                self.write(to, place);
+            }
+            Some(_) => self.wrong(place, format!("`{name}` is no loop")),
+            None => self.wrong(place, why),
+        }
+    }
+
+    fn set(&mut self, to: &str, value: &[f64], place: &str) {
+        let Some((name, parameter)) = to.split_once('.') else {
+            self.wrong(place, "say the node and its parameter: NODE.PARAMETER");
+            return;
+        };
+        let why = self.no_node(name);
+        let Some(node) = self.graph.node_mut(name) else {
+            self.wrong(place, why);
+            return;
+        };
+        match (&mut node.kind, parameter) {
+            (Kind::Uniform { value: old, .. }, "value") => *old = value.to_vec(),
+            _ => match node.params.iter_mut().find(|(n, _)| n == parameter) {
+                Some((_, old)) => *old = value.to_vec(),
+                None => node.params.push((parameter.to_owned(), value.to_vec())),
+            },
+        }
+        self.write(to, place);
+    }
+}
+
+/// An input that an edit names.
+enum Target<'t> {
+    Input(&'t mut Vec<(String, Input)>, String),
+    Carried(&'t mut Option<Input>),
+    Condition(&'t mut Option<Reference>),
+}
+
+impl Target<'_> {
+    fn get(&self) -> Option<Input> {
+        match self {
+            Target::Input(inputs, name) => inputs
+                .iter()
+                .find(|(n, _)| n == name)
+                .map(|(_, i)| i.clone()),
+            Target::Carried(input) => (*input).clone(),
+            Target::Condition(reference) => (**reference).clone().map(Input::From),
+        }
+    }
+
+    fn set(&mut self, from: Input) -> Result<(), String> {
+        match self {
+            Target::Input(inputs, name) => match inputs.iter_mut().find(|(n, _)| n == name) {
+                Some((_, input)) => *input = from,
+                None => inputs.push((name.clone(), from)),
+            },
+            Target::Carried(input) => **input = Some(from),
+            Target::Condition(reference) => match from {
+                Input::From(from) => **reference = Some(from),
+                Input::Constant(_) => {
+                    return Err("when a loop ends is the output of a node, no constant".to_owned());
+                }
+            },
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,531 @@
+//! What nodes can be: the functions of slots and of the library, patterns, and WGSL of one's own; each with
+//! its ports.
+
+use crate::error::Problem;
+use crate::model::Constant;
+use crate::types::{Meaning, Type};
+use std::collections::HashMap;
+use std::sync::{Arc, LazyLock, Mutex};
+use strahl_shader::{Module, SLOTS, built_in};
+
+/// An input or output of a function.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Port {
+    /// Its name.
+    pub name: String,
+    /// Its type.
+    pub ty: Type,
+    /// What its numbers are, if it matters.
+    pub meaning: Option<Meaning>,
+    /// What an input is that nothing is connected to; without one it has to be connected.
+    pub default: Option<Constant>,
+    /// A word for people.
+    pub comment: String,
+}
+
+/// A function that a node can be.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Function {
+    /// Its inputs, in the order of the call.
+    pub inputs: Vec<Port>,
+    /// Its outputs: `out`, or the members of its struct.
+    pub outputs: Vec<Port>,
+    /// Whether the outputs are members of what it returns.
+    pub is_struct: bool,
+    /// What is called.
+    pub call: Call,
+    /// A word for people.
+    pub comment: String,
+}
+
+/// What a node calls.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Call {
+    /// A function of the loop's surroundings or of a slot, by its name.
+    Name(&'static str),
+    /// A function that the program gets for this node.
+    Module(Arc<Module>),
+}
+
+/// The patterns that graphs can use: those that come with Strahl, and a project's own.
+#[derive(Clone, Debug, Default)]
+pub struct Patterns {
+    own: HashMap<String, Arc<Module>>,
+}
+
+impl Patterns {
+    /// Only those that come with Strahl.
+    pub fn new() -> Patterns {
+        Patterns::default()
+    }
+
+    /// Adds a pattern of the project's own: the WGSL of one function, in a file `name.wgsl`.
+    ///
+    /// # Errors
+    /// The text is no node, or the name is taken.
+    pub fn add(&mut self, name: &str, file: &str, source: &str) -> Result<(), Problem> {
+        let taken =
+            BUILT_IN.iter().any(|b| b.name == name) || TEXTS.iter().any(|(n, _)| *n == name);
+        if taken || self.own.contains_key(name) {
+            return Err(Problem::new(
+                file,
+                format!("there is a pattern `{name}` already; call the file otherwise"),
+            ));
+        }
+        let module = Module::node(name, file, source);
+        let module = module.map_err(|error| Problem::new(file, error.to_string()))?;
+        self.own.insert(name.to_owned(), Arc::new(module));
+        Ok(())
+    }
+
+    /// The names of all patterns, sorted.
+    pub fn names(&self) -> Vec<String> {
+        let built_in = BUILT_IN.iter().map(|b| b.name);
+        let texts = TEXTS.iter().map(|(name, _)| *name);
+        let mut names: Vec<String> = built_in.chain(texts).map(str::to_owned).collect();
+        names.extend(self.own.keys().cloned());
+        names.sort();
+        names
+    }
+
+    /// The function of this name.
+    ///
+    /// # Errors
+    /// There is none; the message names one like it.
+    pub fn function(&self, name: &str) -> Result<Function, String> {
+        if let Some(built_in) = BUILT_IN.iter().find(|b| b.name == name) {
+            return Ok(built_in.function());
+        }
+        if let Some(module) = self.own.get(name) {
+            return of_module(module.clone());
+        }
+        if let Some((_, text)) = TEXTS.iter().find(|(n, _)| *n == name) {
+            return pattern(name, text);
+        }
+        let names = self.names();
+        let near = nearest(name, names.iter().map(String::as_str));
+        Err(match near {
+            Some(near) => format!("there is no pattern `{name}`; did you mean `{near}`?"),
+            None => format!("there is no pattern `{name}`; `strahl graph patterns` lists them"),
+        })
+    }
+}
+
+/// The word among `known` that is hardly different.
+pub(crate) fn nearest<'k>(word: &str, known: impl Iterator<Item = &'k str>) -> Option<&'k str> {
+    known
+        .map(|k| (strsim::damerau_levenshtein(word, k), k))
+        .filter(|(distance, k)| *distance <= 2.max(k.len() / 4))
+        .min_by_key(|(distance, _)| *distance)
+        .map(|(_, k)| k)
+}
+
+/// A function of the loop's surroundings as a node.
+struct BuiltIn {
+    name: &'static str,
+    call: &'static str,
+    comment: &'static str,
+    inputs: &'static [(&'static str, &'static str, &'static str)],
+    outputs: &'static [(&'static str, &'static str, &'static str)],
+}
+
+impl BuiltIn {
+    fn function(&self) -> Function {
+        let port = |(name, ty, meaning): &(&str, &str, &str)| Port {
+            name: (*name).to_owned(),
+            ty: Type::of(ty),
+            meaning: Meaning::of(meaning),
+            default: None,
+            comment: String::new(),
+        };
+        Function {
+            inputs: self.inputs.iter().map(port).collect(),
+            outputs: self.outputs.iter().map(port).collect(),
+            is_struct: self.outputs[0].0 != "out",
+            call: Call::Name(self.call),
+            comment: self.comment.to_owned(),
+        }
+    }
+}
+
+/// The name of the pattern that is the ray itself, whose only argument is the pixel.
+pub const RAY: &str = "ray";
+
+static BUILT_IN: [BuiltIn; 6] = [
+    BuiltIn {
+        name: RAY,
+        call: "ray_of_pixel",
+        comment: "The ray of the pixel.",
+        inputs: &[],
+        outputs: &[
+            ("pixel", "vec2u", ""),
+            ("frame", "u32", ""),
+            ("origin_mm", "vec3f", "position.world"),
+            ("direction", "vec3f", "direction.world"),
+            ("to_eye", "vec3f", "direction.world"),
+        ],
+    },
+    BuiltIn {
+        name: "extent",
+        call: "sampled_extent_mm",
+        comment: "Where a ray is inside the sampled extent of the object: from and to, mm from its start.",
+        inputs: &[
+            ("origin_mm", "vec3f", "position.world"),
+            ("direction", "vec3f", "direction.world"),
+        ],
+        outputs: &[("out", "vec2f", "length.mm")],
+    },
+    BuiltIn {
+        name: "clip_ray",
+        call: "clipped_ray_mm",
+        comment: "What the scene's ray clips leave of an interval.",
+        inputs: &[
+            ("origin_mm", "vec3f", "position.world"),
+            ("direction", "vec3f", "direction.world"),
+            ("interval_mm", "vec2f", "length.mm"),
+        ],
+        outputs: &[("out", "vec2f", "length.mm")],
+    },
+    BuiltIn {
+        name: "lattice",
+        call: "lattice_of_ray",
+        comment: "Where the samples of a ray lie: sample k at entry + (k + jitter) * step, voxel space.",
+        inputs: &[
+            ("origin_mm", "vec3f", "position.world"),
+            ("direction", "vec3f", "direction.world"),
+            ("interval_mm", "vec2f", "length.mm"),
+            ("entry_at_mm", "f32", "length.mm"),
+            ("jitter", "f32", ""),
+        ],
+        outputs: &[
+            ("entry", "vec3f", "position.voxel"),
+            ("step", "vec3f", ""),
+            ("count", "f32", ""),
+        ],
+    },
+    BuiltIn {
+        name: "empty_points",
+        call: "empty_points",
+        comment: "How many lattice points from a position on lie where nothing can be seen under the scene's transfer function.",
+        inputs: &[
+            ("position", "vec3f", "position.voxel"),
+            ("step", "vec3f", ""),
+        ],
+        outputs: &[("out", "f32", "")],
+    },
+    BuiltIn {
+        name: "is_value",
+        call: "is_value",
+        comment: "Whether a value is neither infinite nor NaN.",
+        inputs: &[("value", "f32", "value")],
+        outputs: &[("out", "bool", "")],
+    },
+];
+
+macro_rules! texts {
+    ($($name:literal),+ $(,)?) => {
+        &[$(($name, include_str!(concat!("../patterns/", $name, ".wgsl")))),+]
+    };
+}
+
+static TEXTS: &[(&str, &str)] = include!("../patterns/list.in");
+
+/// Patterns are read when they are first used.
+fn pattern(name: &str, text: &str) -> Result<Function, String> {
+    static READ: LazyLock<Mutex<HashMap<String, Function>>> = LazyLock::new(Mutex::default);
+    let Ok(mut read) = READ.lock() else {
+        return Err("a thread has failed while it read the patterns".to_owned());
+    };
+    if let Some(function) = read.get(name) {
+        return Ok(function.clone());
+    }
+    let file = format!("patterns/{name}.wgsl");
+    let module = Module::trusted_node(name, &file, text).map_err(|error| error.to_string())?;
+    let function = of_module(Arc::new(module))?;
+    read.insert(name.to_owned(), function.clone());
+    Ok(function)
+}
+
+/// Slots that can be nodes, and the meanings of their ports and result.
+type SlotRow = (
+    &'static str,
+    &'static [(&'static str, &'static str)],
+    &'static str,
+);
+
+const OF_SLOTS: [SlotRow; 8] = [
+    ("jitter", &[], ""),
+    ("clip_sample", &[("place_mm", "position.world")], ""),
+    ("reconstruct", &[("position", "position.voxel")], "value"),
+    (
+        "classify",
+        &[("value", "value"), ("position", "position.voxel")],
+        "",
+    ),
+    ("gradient_input", &[("position", "position.voxel")], ""),
+    (
+        "gradient",
+        &[("position", "position.voxel")],
+        "gradient.per_mm",
+    ),
+    (
+        "illuminate",
+        &[
+            ("color", "color.linear"),
+            ("normal", "direction.world"),
+            ("to_eye", "direction.world"),
+        ],
+        "color.linear",
+    ),
+    (
+        "shade",
+        &[
+            ("position", "position.voxel"),
+            ("to_eye", "direction.world"),
+        ],
+        "",
+    ),
+];
+
+/// The function that the settings put into `slot`.
+///
+/// # Errors
+/// There is no such slot, or it is no single function of a sample.
+pub fn of_slot(slot: &str) -> Result<Function, String> {
+    let names = || OF_SLOTS.iter().map(|(name, ..)| *name);
+    let Some((name, meanings, result)) = OF_SLOTS.iter().find(|(name, ..)| *name == slot) else {
+        let known: Vec<_> = names().collect();
+        return Err(match slot {
+            "composite" | "light" | "clip_ray" => format!(
+                "the slot {slot} is not one function; patterns take its place: over, under, larger, smaller, lighting, clip_ray"
+            ),
+            _ => format!(
+                "there is no slot {slot} for nodes; they are {}",
+                known.join(", ")
+            ),
+        });
+    };
+    let Some(signature) = (SLOTS.iter())
+        .find(|s| s.name == *name)
+        .and_then(|s| s.functions.first())
+    else {
+        return Err(format!("there is no slot {slot}"));
+    };
+    let meaning = |port: &str| {
+        let found = meanings.iter().find(|(name, _)| *name == port);
+        found.and_then(|(_, meaning)| Meaning::of(meaning))
+    };
+    let inputs = signature.arguments.iter().map(|(name, ty)| Port {
+        name: (*name).to_owned(),
+        ty: Type::of(ty),
+        meaning: meaning(name),
+        default: None,
+        comment: String::new(),
+    });
+    Ok(Function {
+        inputs: inputs.collect(),
+        outputs: vec![Port {
+            name: "out".to_owned(),
+            ty: Type::of(signature.result),
+            meaning: Meaning::of(result),
+            default: None,
+            comment: String::new(),
+        }],
+        is_struct: false,
+        call: Call::Name(signature.name),
+        comment: format!("The scene's {slot}."),
+    })
+}
+
+/// A function of the shader library, `slot/name`.
+///
+/// # Errors
+/// There is none, or it cannot be a node.
+pub fn of_library(path: &str) -> Result<Function, String> {
+    let Some((slot, name)) = path.split_once('/') else {
+        return Err(format!(
+            "`{path}` is no function of the library; write slot/name, such as classify/table"
+        ));
+    };
+    let module = built_in(slot, name).map_err(|error| error.to_string())?;
+    if module.remembers() {
+        return Err(format!(
+            "{path} remembers something along the ray, which a graph carries openly; use a loop's carried variable"
+        ));
+    }
+    let mut function = match slot {
+        "fetch" | "light" => of_module(module.clone())?,
+        _ => of_slot(slot)?,
+    };
+    function.comment = module.meaning().to_owned();
+    function.call = Call::Module(module);
+    Ok(function)
+}
+
+/// WGSL of one's own.
+///
+/// # Errors
+/// What is wrong with it, with the place marked.
+pub fn of_wgsl(name: &str, file: &str, source: &str) -> Result<Function, String> {
+    let module = Module::node(name, file, source).map_err(|error| error.to_string())?;
+    of_module(Arc::new(module))
+}
+
+/// The text of a node that is a uniform.
+pub fn of_uniform(ty: &str) -> Result<Function, String> {
+    let (
+        Type::Vector(_, n),
+        "f32" | "i32" | "u32" | "vec2f" | "vec3f" | "vec4f" | "vec2i" | "vec3i" | "vec4i" | "vec2u"
+        | "vec3u" | "vec4u",
+    ) = (Type::of(ty), ty)
+    else {
+        return Err(format!(
+            "a uniform cannot be a {ty}; it is f32, i32, u32 or a vector of them, such as vec3f"
+        ));
+    };
+    let default = match n {
+        1 => "0".to_owned(),
+        n => format!("({})", vec!["0"; n].join(", ")),
+    };
+    let source = format!(
+        "struct Params {{\n    /// default {default}\n    value: {ty},\n}}\n\nfn uniform_value() -> {ty} {{\n    return params.value;\n}}\n"
+    );
+    let module = Module::trusted_node("uniform", "uniform", &source);
+    of_module(Arc::new(module.map_err(|error| error.to_string())?))
+}
+
+/// Reads what the comment of the function says of its ports: lines `name: meaning, default X, words`.
+fn of_module(module: Arc<Module>) -> Result<Function, String> {
+    let ports = module.ports().clone();
+    if module.remembers() {
+        return Err(format!(
+            "{} has a `var<private>`; a graph carries what it remembers openly, in a loop's variables",
+            module.file()
+        ));
+    }
+    let mut inputs: Vec<Port> = (ports.arguments.iter())
+        .map(|(name, ty)| Port {
+            name: name.clone(),
+            ty: Type::of(ty),
+            meaning: None,
+            default: None,
+            comment: String::new(),
+        })
+        .collect();
+    let mut result = Port {
+        name: "out".to_owned(),
+        ty: Type::of(&ports.result),
+        meaning: None,
+        default: None,
+        comment: String::new(),
+    };
+    let mut comment = Vec::new();
+    for line in &ports.comment {
+        let described = line.split_once(':').and_then(|(name, rest)| {
+            let port = match name.trim() {
+                "result" => Some(&mut result),
+                name => inputs.iter_mut().find(|p| p.name == name),
+            }?;
+            Some((port, rest))
+        });
+        match described {
+            Some((port, rest)) => describe(port, rest).map_err(|why| {
+                format!("{}: the comment of `{}` {why}", module.file(), port.name)
+            })?,
+            None => comment.push(line.clone()),
+        }
+    }
+    let is_struct = !ports.members.is_empty();
+    let outputs = if is_struct {
+        let member = |(name, ty, text): &(String, String, String)| {
+            let mut port = Port {
+                name: name.clone(),
+                ty: Type::of(ty),
+                meaning: None,
+                default: None,
+                comment: String::new(),
+            };
+            describe(&mut port, text).map(|()| port)
+        };
+        let members: Result<Vec<_>, _> = ports.members.iter().map(member).collect();
+        members.map_err(|why| format!("{}: the comment of a member {why}", module.file()))?
+    } else {
+        vec![result]
+    };
+    let words = match module.meaning() {
+        "" => comment.join(" "),
+        meaning => meaning.replace('\n', " "),
+    };
+    Ok(Function {
+        inputs,
+        outputs,
+        is_struct,
+        call: Call::Module(module),
+        comment: words.trim().to_owned(),
+    })
+}
+
+fn describe(port: &mut Port, text: &str) -> Result<(), String> {
+    let mut words = Vec::new();
+    // Commas inside parentheses belong to a vector.
+    let mut depth = 0;
+    let parts = text.split(|c| {
+        depth += i32::from(c == '(') - i32::from(c == ')');
+        c == ',' && depth == 0
+    });
+    for part in parts {
+        let part = part.trim();
+        if let Some(meaning) = Meaning::of(part) {
+            port.meaning = Some(meaning);
+        } else if let Some(value) = part.strip_prefix("default ") {
+            port.default = Some(constant(value).ok_or_else(|| {
+                format!("has the default {value}; write a number, (1, 2, 3), true or false")
+            })?);
+        } else {
+            let is_like = part.starts_with("position.")
+                || part.starts_with("color.")
+                || part.starts_with("opacity.")
+                || part.starts_with("gradient.")
+                || part.starts_with("direction.");
+            if is_like && !part.contains(' ') {
+                let known: Vec<_> = Meaning::names().collect();
+                return Err(format!(
+                    "says {part}, which is none of {}",
+                    known.join(", ")
+                ));
+            }
+            words.push(part);
+        }
+    }
+    port.comment = words.join(", ");
+    Ok(())
+}
+
+fn constant(text: &str) -> Option<Constant> {
+    match text.trim() {
+        "true" => Some(Constant::Bool(true)),
+        "false" => Some(Constant::Bool(false)),
+        text => {
+            let inner = text.strip_prefix('(').and_then(|t| t.strip_suffix(')'));
+            let numbers = inner.unwrap_or(text).split(',').map(|n| n.trim().parse());
+            Some(Constant::Numbers(numbers.collect::<Result<_, _>>().ok()?))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_pattern_is_a_node() {
+        for name in Patterns::new().names() {
+            let function = Patterns::new().function(&name).expect(&name);
+            assert!(!function.outputs.is_empty(), "{name}");
+            assert!(
+                !function.comment.is_empty(),
+                "{name} says nothing of itself"
+            );
+        }
+    }
+}

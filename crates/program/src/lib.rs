@@ -1,0 +1,53 @@
+//! From a Plan to the linked program that draws it, and to the data that the program reads.
+//!
+//! Whoever runs linked programs needs the same: which functions a Plan asks for, the bytes of the two
+//! uniform blocks, and the tables and bricks as one texture each. The GPU renderer copies them to a device;
+//! the evaluator reads them in place.
+//!
+//! ```
+//! use strahl_program::program;
+//! use strahl_scene::{Scene, resolve};
+//! use strahl_volume::Phantom;
+//!
+//! let volume = Phantom::Tree.volume([8, 8, 8])?;
+//! let plan = resolve(&Scene::default(), &volume.header(), None)?;
+//! assert!(program(&plan)?.wgsl().contains("fn composite_add"));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+#![warn(missing_docs)]
+
+mod bricks;
+mod frame;
+mod functions;
+mod tables;
+
+pub use bricks::{occupancy, visible_bricks};
+pub use frame::{Frame, Object, rows, single};
+pub use functions::Functions;
+pub use tables::{Table2d, noise_tile, stacked, tables};
+
+use std::sync::Arc;
+use strahl_scene::plan::Plan;
+use strahl_shader::{Error, Linker, Program, RayLoop, Texels, ray_loop};
+
+/// The program that draws `plan` where the texture unit interpolates the volumes; no device is needed.
+///
+/// # Errors
+/// The functions cannot be linked.
+pub fn program(plan: &Plan) -> Result<Arc<Program>, Error> {
+    let functions = Functions::of(plan, true, |_, threshold| f64::from(threshold))?;
+    let skeleton = ray_loop(&loop_of(plan, Texels::Float))?;
+    Linker::new().link(&skeleton, &functions.selection)
+}
+
+/// The ray loop of `plan` over volumes that are all read in the same way.
+pub fn loop_of(plan: &Plan, texels: Texels) -> RayLoop {
+    let volumes = plan.objects.iter().map(|object| object.volume + 1).max();
+    RayLoop {
+        volumes: vec![texels; volumes.unwrap_or(1)],
+        objects: plan.objects.len(),
+        is_before_geometry: !plan.meshes.is_empty(),
+        is_finite: false,
+    }
+}

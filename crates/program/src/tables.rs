@@ -1,0 +1,63 @@
+//! What programs read as textures beside the volumes.
+
+use crate::frame::Object;
+use strahl_scene::NoiseTile;
+use strahl_scene::plan::{Jitter, Plan};
+use strahl_shader::TABLE_ROW;
+
+/// A table that a graph reads, linear RGBA, rows from the top.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Table2d {
+    /// Columns.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// width × height texels.
+    pub texels: Vec<[f32; 4]>,
+}
+
+/// The transfer tables of all objects, whole rows of [`TABLE_ROW`] entries, each table from the start of a
+/// row on; tells `objects` where theirs begins.
+pub fn tables(plan: &Plan, objects: &mut [Object]) -> Vec<[f32; 4]> {
+    let mut entries = Vec::new();
+    for (planned, object) in plan.objects.iter().zip(objects) {
+        object.table_first = entries.len() as u32;
+        entries.extend_from_slice(planned.table.entries());
+        entries.resize(entries.len().next_multiple_of(TABLE_ROW as usize), [0.0; 4]);
+    }
+    entries
+}
+
+/// The numbers that jitter repeats over the picture, row by row, and how many there are in a row.
+pub fn noise_tile(plan: &Plan) -> (u32, Vec<f32>) {
+    let tile = match plan.lattice.jitter {
+        Jitter::WhiteTile(seed) => NoiseTile::white(seed),
+        Jitter::BlueTile(seed) => NoiseTile::blue(seed),
+        Jitter::Centre | Jitter::Hash(_) | Jitter::SineHash => return (1, vec![0.5]),
+    };
+    (tile.edge(), tile.values().to_vec())
+}
+
+/// Blocks behind one another along z, in one block that is wide enough for all: its dimensions, its
+/// elements, and where each begins.
+pub fn stacked<T: Copy + Default>(blocks: &[([u32; 3], Vec<T>)]) -> ([u32; 3], Vec<T>, Vec<u32>) {
+    let most = |axis: usize| blocks.iter().map(|(dims, _)| dims[axis]).max().unwrap_or(1);
+    let (width, height) = (most(0), most(1));
+    let depth: u32 = blocks.iter().map(|(dims, _)| dims[2]).sum();
+    let mut all = vec![T::default(); (width * height) as usize * depth as usize];
+    let mut first = Vec::new();
+    let mut z0 = 0;
+    for (dims, elements) in blocks {
+        first.push(z0);
+        let [nx, ny, nz] = dims.map(|n| n as usize);
+        for z in 0..nz {
+            for y in 0..ny {
+                let from = nx * (y + ny * z);
+                let to = width as usize * (y + height as usize * (z + z0 as usize));
+                all[to..to + nx].copy_from_slice(&elements[from..from + nx]);
+            }
+        }
+        z0 += dims[2];
+    }
+    ([width, height, depth], all, first)
+}

@@ -1,0 +1,284 @@
+//! The graph of a scene: read, edited, compiled, with the pictures that it reads.
+
+use crate::Error;
+use std::fs;
+use std::io::Read;
+use std::path::Path;
+use strahl_graph::{
+    Compiled, Compiler, Edited, GraphUse, Patterns, Problem, Texture, edited, pre_integrated,
+    standard,
+};
+use strahl_program::{Functions, Table2d};
+use strahl_scene::plan::Plan;
+use strahl_scene::{GraphText, linear_from_srgb};
+use strahl_shader::{RayLoop, Texels};
+
+/// No text is longer; the parser has the same limit and the words for it.
+const MOST_BYTES: u64 = (64 << 20) + 1;
+
+/// Texels of one picture.
+const MOST_TEXELS: u64 = 1 << 26;
+
+/// What a scene asks of the graph that draws it, with everything but pictures read.
+#[derive(Clone, Debug)]
+pub struct SceneGraph {
+    /// What messages call it.
+    name: String,
+    asked: GraphUse,
+    patterns: Patterns,
+}
+
+/// A graph ready to be drawn.
+#[derive(Clone, Debug)]
+pub struct ReadyGraph {
+    /// The program and its parameters.
+    pub compiled: Compiled,
+    /// What it reads beside the scene's data.
+    pub textures: Vec<Table2d>,
+    /// What is odd, but no error: conflicts between edits, nodes that nothing needs.
+    pub notes: Vec<String>,
+}
+
+impl SceneGraph {
+    /// From a scene's key `graph`, or from nothing: then it is the standard graph. Its paths count from the
+    /// current folder. `name` is what messages call it.
+    ///
+    /// # Errors
+    /// The text is wrong, or a file that it names cannot be read.
+    pub fn new(name: &str, text: Option<&GraphText>) -> Result<SceneGraph, Error> {
+        let asked = match text {
+            Some(text) => read(name, text.as_str(), Path::new(""))?,
+            None => GraphUse::default(),
+        };
+        let mut patterns = Patterns::new();
+        for folder in &asked.patterns {
+            add_patterns(&mut patterns, Path::new(folder))?;
+        }
+        Ok(SceneGraph {
+            name: name.to_owned(),
+            asked,
+            patterns,
+        })
+    }
+
+    /// The graph that draws `plan`, after all edits, and where these want the same place.
+    ///
+    /// # Errors
+    /// The settings have no standard graph, or an edit cannot be carried out.
+    pub fn graph(&self, plan: &Plan) -> Result<Edited, Error> {
+        let graph = match &self.asked.graph {
+            Some(graph) => graph.clone(),
+            None => standard(plan)?,
+        };
+        edited(graph, &self.asked.edits, &self.patterns).map_err(|problems| self.wrong(problems))
+    }
+
+    /// The program that draws `plan` by its graph, for a renderer that reads volumes as `what` says.
+    ///
+    /// # Errors
+    /// Everything that is wrong with the graph; a picture that cannot be read.
+    pub fn ready(
+        &self,
+        plan: &Plan,
+        what: &RayLoop,
+        functions: &Functions,
+    ) -> Result<ReadyGraph, Error> {
+        let Edited { graph, conflicts } = self.graph(plan)?;
+        let mut compiler = Compiler::new(self.patterns.clone());
+        let compiled = compiler.compile(&self.name, &graph, what, functions)?;
+        let mut textures = Vec::new();
+        for (node, texture, object) in &compiled.textures {
+            textures.push(self.table(plan, node, texture, *object)?);
+        }
+        // What edits leave unused of the standard graph is no mistake of theirs.
+        let standard_nodes = match &self.asked.graph {
+            Some(_) => Vec::new(),
+            None => (standard(plan)?.nodes.into_iter())
+                .map(|node| format!("nodes.{}", node.name))
+                .collect(),
+        };
+        let warnings = (compiled.warnings.iter()).filter(|w| !standard_nodes.contains(&w.place));
+        let odd = conflicts.iter().chain(warnings);
+        Ok(ReadyGraph {
+            notes: odd
+                .map(|problem| format!("{}: {problem}", self.name))
+                .collect(),
+            compiled,
+            textures,
+        })
+    }
+
+    /// The program where the texture unit interpolates the volumes; no device is needed.
+    ///
+    /// # Errors
+    /// As [`SceneGraph::ready`].
+    pub fn program(&self, plan: &Plan) -> Result<ReadyGraph, Error> {
+        let functions = Functions::of(plan, true, |_, threshold| f64::from(threshold))?;
+        self.ready(
+            plan,
+            &strahl_program::loop_of(plan, Texels::Float),
+            &functions,
+        )
+    }
+
+    /// The patterns that its nodes can be.
+    pub fn patterns(&self) -> &Patterns {
+        &self.patterns
+    }
+
+    fn wrong(&self, problems: Vec<Problem>) -> Error {
+        Error::Graph(strahl_graph::Error::Graph {
+            file: self.name.clone(),
+            problems,
+        })
+    }
+
+    fn table(
+        &self,
+        plan: &Plan,
+        node: &str,
+        texture: &Texture,
+        object: usize,
+    ) -> Result<Table2d, Error> {
+        let wrong =
+            |why: String| self.wrong(vec![Problem::new(format!("nodes.{node}.texture"), why)]);
+        match texture {
+            Texture::File(path) => picture(Path::new(path)),
+            Texture::Texels {
+                width,
+                height,
+                texels,
+            } => {
+                let needed = u64::from(*width) * u64::from(*height);
+                if needed == 0 || needed != texels.len() as u64 {
+                    return Err(wrong(format!(
+                        "size {width} × {height} needs {needed} texels, at least one; {} are given",
+                        texels.len()
+                    )));
+                }
+                Ok(Table2d {
+                    width: *width,
+                    height: *height,
+                    texels: texels.clone(),
+                })
+            }
+            Texture::PreIntegrated { edge } => {
+                let most = strahl_graph::MOST_EDGE;
+                if !(2..=most).contains(edge) {
+                    return Err(wrong(format!(
+                        "{edge} columns and rows; allowed: 2 to {most}"
+                    )));
+                }
+                match plan.objects.get(object) {
+                    Some(object) => Ok(pre_integrated(&object.table, plan.lattice.step_mm, *edge)),
+                    None => Err(wrong(format!("there is no object {object}"))),
+                }
+            }
+        }
+    }
+}
+
+/// What the text of a graph asks for; files that it names lie in `folder`.
+pub(crate) fn read(name: &str, text: &str, folder: &Path) -> Result<GraphUse, Error> {
+    Ok(GraphUse::read(name, text, &mut |path| {
+        text_of(&folder.join(path)).map_err(|error| error.to_string())
+    })?)
+}
+
+fn text_of(path: &Path) -> Result<String, std::io::Error> {
+    let mut bytes = Vec::new();
+    fs::File::open(path)?
+        .take(MOST_BYTES)
+        .read_to_end(&mut bytes)?;
+    String::from_utf8(bytes).map_err(|_| std::io::Error::other("it is no text in UTF-8"))
+}
+
+/// Every `NAME.wgsl` of a folder, in the order of their names.
+fn add_patterns(patterns: &mut Patterns, folder: &Path) -> Result<(), Error> {
+    let fail = |error| Error::path(folder, error);
+    let mut files = Vec::new();
+    for entry in fs::read_dir(folder).map_err(fail)? {
+        let path = entry.map_err(fail)?.path();
+        if path.extension().is_some_and(|e| e == "wgsl") {
+            files.push(path);
+        }
+    }
+    files.sort();
+    for path in files {
+        let text = text_of(&path).map_err(|error| Error::path(&path, error))?;
+        let name = path.file_stem().unwrap_or_default().to_string_lossy();
+        let file = path.display().to_string();
+        patterns.add(&name, &file, &text).map_err(|problem| {
+            Error::Graph(strahl_graph::Error::Graph {
+                file: folder.display().to_string(),
+                problems: vec![problem],
+            })
+        })?;
+    }
+    Ok(())
+}
+
+/// A PNG as linear colours.
+fn picture(path: &Path) -> Result<Table2d, Error> {
+    let file = fs::File::open(path).map_err(|error| Error::path(path, error))?;
+    let wrong = |why: String| Error::not_usable(path, why);
+    let mut decoder = png::Decoder::new(std::io::BufReader::new(file));
+    decoder.set_transformations(
+        png::Transformations::EXPAND | png::Transformations::STRIP_16 | png::Transformations::ALPHA,
+    );
+    let mut reader = decoder
+        .read_info()
+        .map_err(|error| wrong(format!("no PNG: {error}")))?;
+    let (width, height) = (reader.info().width, reader.info().height);
+    if u64::from(width) * u64::from(height) > MOST_TEXELS {
+        return Err(wrong(format!(
+            "{width} × {height} pixels; a texture has at most {MOST_TEXELS}"
+        )));
+    }
+    let bytes = reader
+        .output_buffer_size()
+        .ok_or_else(|| wrong("it is too large".to_owned()))?;
+    let mut pixels = vec![0; bytes];
+    let frame = reader
+        .next_frame(&mut pixels)
+        .map_err(|error| wrong(format!("a damaged PNG: {error}")))?;
+    let linear = |byte: u8| linear_from_srgb(f64::from(byte) / 255.0) as f32;
+    let part = |byte: u8| f32::from(byte) / 255.0;
+    let texels = match frame.color_type {
+        png::ColorType::GrayscaleAlpha => (pixels.chunks_exact(2))
+            .map(|p| [linear(p[0]), linear(p[0]), linear(p[0]), part(p[1])])
+            .collect(),
+        _ => (pixels.chunks_exact(4))
+            .map(|p| [linear(p[0]), linear(p[1]), linear(p[2]), part(p[3])])
+            .collect(),
+    };
+    Ok(Table2d {
+        width,
+        height,
+        texels,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_picture_is_linear() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("two.png");
+        let mut encoder = png::Encoder::new(fs::File::create(&path).unwrap(), 2, 1);
+        encoder.set_color(png::ColorType::Rgb);
+        let mut writer = encoder.write_header().unwrap();
+        writer.write_image_data(&[255, 0, 188, 0, 0, 0]).unwrap();
+        writer.finish().unwrap();
+        let table = picture(&path).unwrap();
+        assert_eq!((table.width, table.height, table.texels.len()), (2, 1, 2));
+        assert!(
+            (table.texels[0][2] - 0.5029).abs() < 1e-3,
+            "{:?}",
+            table.texels
+        );
+        assert_eq!(table.texels[0][3], 1.0);
+    }
+}
