@@ -1,6 +1,8 @@
 //! What the fuzz targets share: how one input becomes several files, what must hold for whatever
 //! was read, and an allocator that tells when a header's claim was believed.
 
+pub mod graph;
+
 use std::alloc::{GlobalAlloc, Layout, System};
 use strahl_volume::read::mesh::{self, MeshSpace};
 use strahl_volume::read::{Loaded, MemoryFiles, ReadOptions, read_file, read_folder};

@@ -1,4 +1,4 @@
-//! `cargo xtask fuzz`: the readers against hostile files.
+//! `cargo xtask fuzz`: the readers against hostile files, and graphs that nobody would write.
 //!
 //! The targets lie in `fuzz/`, a workspace of its own, because they need a nightly toolchain.
 //! Seeds are checked in (`fuzz/seeds/TARGET`); what a run finds on top goes to `fuzz/corpus`, what

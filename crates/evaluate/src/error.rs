@@ -82,6 +82,9 @@ pub enum Error {
         /// Dimensions of the volume.
         volume: [usize; 3],
     },
+    /// The Plan asks for what slices cannot do.
+    #[error(transparent)]
+    Slicing(#[from] strahl_program::SlicingError),
     /// Coefficients of a B-spline, or the values of a mask, cannot be made.
     #[error(transparent)]
     Volume(#[from] strahl_volume::Error),

@@ -35,6 +35,7 @@ mod registers;
 mod resources;
 mod run;
 mod scalar;
+mod varyings;
 
 pub use code::LANES;
 pub use error::Error;
@@ -49,11 +50,14 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
-use strahl_program::{Frame, Functions, Object, Table2d, noise_tile, tables, visible_bricks};
+use strahl_program::{
+    Frame, Functions, Object, Order, Slices, Slicing, Table2d, noise_tile, tables, visible_bricks,
+};
 use strahl_scene::Image;
 use strahl_scene::plan::Plan;
 use strahl_shader::{Linker, NOWHERE_MM, Program, RayLoop, TABLE_ROW, Texels, bindings, ray_loop};
 use strahl_volume::Datasets;
+use varyings::Inputs;
 
 /// A function that does nothing with the progress and never ends the picture.
 pub fn no_progress(_drawn: usize, _total: usize) -> ControlFlow<()> {
@@ -145,6 +149,56 @@ impl<'v> Evaluator<'v> {
             objects: plan.objects.len(),
             is_before_geometry: !plan.meshes.is_empty(),
             is_finite: false,
+        })
+    }
+
+    /// Draws `plan` by slices that are blended as `slicing` says. `program` is that of a slice; else as
+    /// [`Evaluator::render_by`].
+    ///
+    /// # Errors
+    /// As [`Evaluator::render`]; the Plan asks for what slices cannot do.
+    pub fn render_slices_by(
+        &mut self,
+        plan: &Plan,
+        program: &Arc<Program>,
+        parameters: &[u8],
+        textures: &[Table2d],
+        slicing: &Slicing,
+        progress: impl Fn(usize, usize) -> ControlFlow<()> + Sync,
+    ) -> Result<Rendered, Error> {
+        let start = Instant::now();
+        let slices = Slices::of(plan, slicing.order)?;
+        let data = ready(&mut self.data, &self.datasets, plan)?;
+        let mut scenery = Scenery::new(plan, data, program, parameters, textures)?;
+        scenery.frame.first_slice = slices.first;
+        let frames = plan.lattice.frames;
+        let height = plan.height as usize;
+        let drawn = AtomicUsize::new(0);
+        let rows_drawn = |rows: usize| {
+            let drawn = drawn.fetch_add(rows, Ordering::Relaxed) + rows;
+            match progress(drawn, frames as usize * height) {
+                ControlFlow::Continue(()) => Ok(()),
+                ControlFlow::Break(()) => Err(Error::Cancelled),
+            }
+        };
+        let mut sums = vec![[0.0f64; 4]; plan.width as usize * height];
+        for number in 0..frames {
+            scenery.set_frame(number)?;
+            let pixels = scenery.draw_slices(plan, slices, slicing, &rows_drawn)?;
+            for (sum, pixel) in sums.iter_mut().zip(pixels) {
+                let passing = 1.0 - pixel[3];
+                for (c, sum) in sum.iter_mut().enumerate() {
+                    *sum += f64::from(pixel[c] + passing * plan.background[c]);
+                }
+            }
+        }
+        let mean = |sum: [f64; 4]| sum.map(|c| (c / f64::from(frames)) as f32);
+        let pixels = sums.into_iter().map(mean).collect();
+        Ok(Rendered {
+            image: Image::from_pixels(plan.width, plan.height, pixels)
+                .into_linear(plan.compositing),
+            depth_mm: None,
+            seconds: start.elapsed().as_secs_f64(),
         })
     }
 
@@ -367,6 +421,7 @@ impl<'a> Scenery<'a> {
         let (width, height) = (plan.width as usize, plan.height as usize);
         let code = self.machine.code(entry)?;
         let run = self.machine.prepared(&code);
+        let inputs = Inputs::of(&self.machine, entry, 1, [plan.width, plan.height])?;
         let mut pixels = vec![[0.0; 4]; width * height];
         let mut depth_mm = vec![NOWHERE_MM; if plan.with_depth { width * height } else { 0 }];
         let with_depth = plan.with_depth;
@@ -386,20 +441,8 @@ impl<'a> Scenery<'a> {
                 |state, (row, (pixels, depth))| -> Result<(), Error> {
                     let rows = pixels.len() / width;
                     for left in (0..width).step_by(BLOCK) {
-                        let columns = BLOCK.min(width - left);
-                        let mut active = Lanes::NONE;
-                        let mut at = [[0.0f32; code::LANES]; 4];
-                        for (lane, active) in active.0.iter_mut().enumerate() {
-                            let (x, y) = (lane % BLOCK, lane / BLOCK);
-                            // Lanes outside the picture do nothing.
-                            *active = if x < columns && y < rows { !0 } else { 0 };
-                            at[0][lane] = (left + x) as f32 + 0.5;
-                            at[1][lane] = (row * BLOCK + y) as f32 + 0.5;
-                            at[3][lane] = 1.0;
-                        }
-                        for (register, numbers) in code.inputs.iter().zip(at) {
-                            state.registers[*register as usize] = Lanes(numbers.map(f32::to_bits));
-                        }
+                        let active = in_picture([width - left, rows]);
+                        inputs.set(0, [left, row * BLOCK], &code, &mut state.registers);
                         let killed = state.run(active)?;
                         for lane in 0..code::LANES {
                             if active.0[lane] & !killed.0[lane] == 0 {
@@ -421,6 +464,63 @@ impl<'a> Scenery<'a> {
             )?;
         Ok((pixels, depth_mm))
     }
+
+    /// All slices, blended; without the background.
+    fn draw_slices(
+        &self,
+        plan: &Plan,
+        slices: Slices,
+        slicing: &Slicing,
+        rows_drawn: &(dyn Fn(usize) -> Result<(), Error> + Sync),
+    ) -> Result<Vec<[f32; 4]>, Error> {
+        debug_assert_eq!(slices.direction > 0, slicing.order == Order::FrontToBack);
+        let (width, height) = (plan.width as usize, plan.height as usize);
+        let code = self.machine.code("fragment")?;
+        let run = self.machine.prepared(&code);
+        let size = [plan.width, plan.height];
+        let inputs = Inputs::of(&self.machine, "fragment", slices.count, size)?;
+        let mut pixels = vec![slicing.start; width * height];
+        pixels
+            .par_chunks_mut(BLOCK * width)
+            .enumerate()
+            .try_for_each_init(
+                || State::new(&run),
+                |state, (row, pixels)| -> Result<(), Error> {
+                    let rows = pixels.len() / width;
+                    for left in (0..width).step_by(BLOCK) {
+                        let active = in_picture([width - left, rows]);
+                        for slice in 0..slices.count as usize {
+                            inputs.set(slice, [left, row * BLOCK], &code, &mut state.registers);
+                            let killed = state.run(active)?;
+                            for lane in 0..code::LANES {
+                                if active.0[lane] & !killed.0[lane] == 0 {
+                                    continue;
+                                }
+                                let pixel = lane / BLOCK * width + left + lane % BLOCK;
+                                let number = |i: usize| {
+                                    let register = code.outputs[i] as usize;
+                                    f32::from_bits(state.registers[register].0[lane])
+                                };
+                                let source = [number(0), number(1), number(2), number(3)];
+                                pixels[pixel] = slicing.blend.blended(source, pixels[pixel]);
+                            }
+                        }
+                    }
+                    rows_drawn(rows)
+                },
+            )?;
+        Ok(pixels)
+    }
+}
+
+/// The lanes of a block that lie in what is left of the picture; those outside do nothing.
+fn in_picture([columns, rows]: [usize; 2]) -> Lanes {
+    let mut active = Lanes::NONE;
+    for (lane, active) in active.0.iter_mut().enumerate() {
+        let is_inside = lane % BLOCK < columns && lane / BLOCK < rows;
+        *active = if is_inside { !0 } else { 0 };
+    }
+    active
 }
 
 /// The kind of numbers of the texture at a binding.

@@ -100,7 +100,9 @@ impl Device {
                     .join("; "),
             })?;
         let adapter = Adapter::of(chosen);
-        let useful = wgpu::Features::TEXTURE_FORMAT_16BIT_NORM | wgpu::Features::FLOAT32_FILTERABLE;
+        let useful = wgpu::Features::TEXTURE_FORMAT_16BIT_NORM
+            | wgpu::Features::FLOAT32_FILTERABLE
+            | wgpu::Features::FLOAT32_BLENDABLE;
         let description = wgpu::DeviceDescriptor {
             label: Some("strahl"),
             required_features: chosen.features() & useful,
@@ -140,6 +142,12 @@ impl Device {
     /// The adapter.
     pub fn adapter(&self) -> &Adapter {
         &self.adapter
+    }
+
+    /// Whether it blends what it draws into 32-bit floats.
+    pub(crate) fn can_blend(&self) -> bool {
+        let features = self.device.features();
+        features.contains(wgpu::Features::FLOAT32_BLENDABLE)
     }
 
     /// What went wrong since the last call, if anything.

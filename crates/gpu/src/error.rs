@@ -75,6 +75,17 @@ pub enum Error {
         /// How many there are.
         there: usize,
     },
+    /// The Plan asks for what slices cannot do.
+    #[error(transparent)]
+    Slicing(#[from] strahl_program::SlicingError),
+    /// The adapter does not blend 32-bit floats.
+    #[error(
+        "the graphics adapter {adapter} cannot blend numbers of 32 bit, which slices need (16 bit lose what many thin slices add up to); draw with --backend cpu, or by a graph with a loop along the ray"
+    )]
+    NoBlending {
+        /// Its name.
+        adapter: String,
+    },
     /// Coefficients of a B-spline, or the values of a mask, cannot be made.
     #[error(transparent)]
     Volume(#[from] strahl_volume::Error),

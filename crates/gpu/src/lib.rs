@@ -35,12 +35,12 @@ pub use error::Error;
 
 use data::Data;
 use geometry::Geometry;
-use pipelines::{Pipelines, Ready};
+use pipelines::{Output, Pipelines, Ready};
 use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::time::Instant;
 use strahl_program::{
-    Frame, Functions, Object, Table2d, noise_tile, stacked, tables, visible_bricks,
+    Frame, Functions, Object, Slices, Slicing, Table2d, noise_tile, stacked, tables, visible_bricks,
 };
 use strahl_scene::Image;
 use strahl_scene::plan::Plan;
@@ -98,6 +98,14 @@ struct Prepared {
     frame_buffer: wgpu::Buffer,
     bindings: wgpu::BindGroup,
     geometry: Option<Geometry>,
+}
+
+/// What the rays of `plan` are drawn into.
+fn into(plan: &Plan) -> Output {
+    match plan.with_depth {
+        true => Output::ColorAndDepth,
+        false => Output::Color,
+    }
 }
 
 impl<'d, 'v> Renderer<'d, 'v> {
@@ -184,7 +192,7 @@ impl<'d, 'v> Renderer<'d, 'v> {
         let program = self.program(plan)?;
         let texels = self.data.texels(plan);
         self.pipelines
-            .is_ready(self.device, &program, &texels, plan.with_depth)
+            .is_ready(self.device, &program, &texels, into(plan))
     }
 
     /// Draws `plan`. `progress` is told the rows drawn and all rows, and may end the picture.
@@ -226,7 +234,7 @@ impl<'d, 'v> Renderer<'d, 'v> {
         let texels = self.data.texels(plan);
         let ready = self
             .pipelines
-            .of(self.device, program, &texels, plan.with_depth)?;
+            .of(self.device, program, &texels, into(plan))?;
         let linked = Instant::now();
         let mut prepared = self.prepare(plan, program, &ready, parameters, textures);
         if plan.with_depth {
@@ -281,6 +289,94 @@ impl<'d, 'v> Renderer<'d, 'v> {
             image: Image::from_pixels(plan.width, plan.height, pixels)
                 .into_linear(plan.compositing),
             depth_mm,
+            stats: Stats {
+                upload_seconds: self.upload_seconds,
+                link_seconds: (linked - start).as_secs_f64(),
+                prepare_seconds: (prepared_at - linked).as_secs_f64(),
+                draw_seconds: prepared_at.elapsed().as_secs_f64(),
+            },
+        })
+    }
+
+    /// Draws `plan` by slices that are blended as `slicing` says. `program` is that of a slice; else as
+    /// [`Renderer::render_by`].
+    ///
+    /// # Errors
+    /// As [`Renderer::render`]; the Plan asks for what slices cannot do, or the device does not blend 32-bit floats.
+    pub fn render_slices_by(
+        &mut self,
+        plan: &Plan,
+        program: &Arc<Program>,
+        parameters: &[u8],
+        textures: &[Table2d],
+        slicing: &Slicing,
+        progress: impl Fn(usize, usize) -> ControlFlow<()>,
+    ) -> Result<Rendered, Error> {
+        let start = Instant::now();
+        let slices = Slices::of(plan, slicing.order)?;
+        if !self.device.can_blend() {
+            return Err(Error::NoBlending {
+                adapter: self.device.adapter().to_string(),
+            });
+        }
+        self.data.check(plan)?;
+        self.data.make_coefficients(self.device, plan)?;
+        let texels = self.data.texels(plan);
+        let into = Output::Slices(slicing.blend);
+        let ready = self.pipelines.of(self.device, program, &texels, into)?;
+        let linked = Instant::now();
+        let mut prepared = self.prepare(plan, program, &ready, parameters, textures);
+        self.device.check()?;
+        let prepared_at = Instant::now();
+
+        let (width, height) = (plan.width as usize, plan.height as usize);
+        let mut sums = vec![[0.0f64; 4]; width * height];
+        let frames = plan.lattice.frames;
+        let mut drawn = 0;
+        for number in 0..frames {
+            prepared.frame.number = number;
+            for y in (0..plan.height).step_by(PART as usize) {
+                for x in (0..plan.width).step_by(PART as usize) {
+                    let size = [PART.min(plan.width - x), PART.min(plan.height - y)];
+                    prepared.frame.origin = [x, y];
+                    let (frame, queue) = (&mut prepared.frame, &self.device.queue);
+                    self.target.draw_slices(
+                        self.device,
+                        &ready.pipeline,
+                        &prepared.bindings,
+                        size,
+                        (slices.count, slicing.start),
+                        |before| {
+                            frame.first_slice = slices.first + slices.direction * before as i32;
+                            let bytes = frame.bytes(&prepared.objects);
+                            queue.write_buffer(&prepared.frame_buffer, 0, &bytes);
+                        },
+                    )?;
+                    let color = self.target.color.read(self.device, size[1])?;
+                    for row in 0..size[1] {
+                        let first = (y + row) as usize * width + x as usize;
+                        let place = first..first + size[0] as usize;
+                        let part: &[[f32; 4]] = bytemuck::cast_slice(color.row(row, size[0]));
+                        for (sum, pixel) in sums[place].iter_mut().zip(part) {
+                            let passing = 1.0 - pixel[3];
+                            for (c, sum) in sum.iter_mut().enumerate() {
+                                *sum += f64::from(pixel[c] + passing * plan.background[c]);
+                            }
+                        }
+                    }
+                }
+                drawn += PART.min(plan.height - y) as usize;
+                if progress(drawn, frames as usize * height).is_break() {
+                    return Err(Error::Cancelled);
+                }
+            }
+        }
+        let mean = |sum: [f64; 4]| sum.map(|c| (c / f64::from(frames)) as f32);
+        let pixels = sums.into_iter().map(mean).collect();
+        Ok(Rendered {
+            image: Image::from_pixels(plan.width, plan.height, pixels)
+                .into_linear(plan.compositing),
+            depth_mm: None,
             stats: Stats {
                 upload_seconds: self.upload_seconds,
                 link_seconds: (linked - start).as_secs_f64(),
@@ -348,7 +444,11 @@ impl<'d, 'v> Renderer<'d, 'v> {
         parameters: &[u8],
         textures: &[Table2d],
     ) -> Prepared {
-        let frame = Frame::of(plan);
+        let frame = Frame {
+            // Parts are drawn into a corner of the target.
+            viewport: [PART; 2],
+            ..Frame::of(plan)
+        };
         let mut objects: Vec<_> = plan
             .objects
             .iter()

@@ -4,6 +4,7 @@ use crate::device::Device;
 use crate::error::Error;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, channel};
+use strahl_program::{Blend, BlendPart, Factor, Operation};
 use strahl_shader::{Program, Texels, bindings};
 
 /// What the ray loop draws into: linear, premultiplied, as computed.
@@ -19,16 +20,27 @@ pub struct Ready {
     pub layout: wgpu::BindGroupLayout,
 }
 
+/// What a pipeline draws into, and how.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Output {
+    /// The colours of rays.
+    Color,
+    /// Colours, and how far away what is hit lies.
+    ColorAndDepth,
+    /// The colours of slices, blended with what is there.
+    Slices(Blend),
+}
+
 /// What decides about a pipeline. The texels are those of the volumes that the program reads.
 #[derive(Clone, Debug)]
 struct Key {
     program: Arc<Program>,
-    with_depth: bool,
+    into: Output,
 }
 
 impl Key {
-    fn is(&self, program: &Arc<Program>, with_depth: bool) -> bool {
-        Arc::ptr_eq(&self.program, program) && self.with_depth == with_depth
+    fn is(&self, program: &Arc<Program>, into: Output) -> bool {
+        Arc::ptr_eq(&self.program, program) && self.into == into
     }
 }
 
@@ -46,15 +58,15 @@ impl Pipelines {
         device: &Device,
         program: &Arc<Program>,
         texels: &[Texels],
-        with_depth: bool,
+        into: Output,
     ) -> Result<Arc<Ready>, Error> {
-        if let Some(found) = self.found(program, with_depth) {
+        if let Some(found) = self.found(program, into) {
             return Ok(found);
         }
         let begun = self
             .in_making
             .iter()
-            .position(|(key, _)| key.is(program, with_depth));
+            .position(|(key, _)| key.is(program, into));
         let ready = match begun {
             Some(index) => {
                 let (_, receiver) = self.in_making.swap_remove(index);
@@ -62,10 +74,10 @@ impl Pipelines {
                     .recv()
                     .map_err(|why| Error::Driver(why.to_string()))?
             }
-            None => make(&device.device, program, texels, with_depth),
+            None => make(&device.device, program, texels, into),
         };
         device.check()?;
-        Ok(self.keep(program, with_depth, ready))
+        Ok(self.keep(program, into, ready))
     }
 
     /// Whether the pipeline of `program` is made; if not, a thread makes it from now on.
@@ -74,15 +86,15 @@ impl Pipelines {
         device: &Device,
         program: &Arc<Program>,
         texels: &[Texels],
-        with_depth: bool,
+        into: Output,
     ) -> Result<bool, Error> {
-        if self.found(program, with_depth).is_some() {
+        if self.found(program, into).is_some() {
             return Ok(true);
         }
         let begun = self
             .in_making
             .iter()
-            .position(|(key, _)| key.is(program, with_depth));
+            .position(|(key, _)| key.is(program, into));
         match begun {
             Some(index) => {
                 let Ok(ready) = self.in_making[index].1.try_recv() else {
@@ -90,7 +102,7 @@ impl Pipelines {
                 };
                 self.in_making.swap_remove(index);
                 device.check()?;
-                self.keep(program, with_depth, ready);
+                self.keep(program, into, ready);
                 Ok(true)
             }
             None => {
@@ -98,12 +110,12 @@ impl Pipelines {
                 let (device, texels) = (device.device.clone(), texels.to_vec());
                 let key = Key {
                     program: program.clone(),
-                    with_depth,
+                    into,
                 };
                 let program = program.clone();
                 std::thread::spawn(move || {
                     // Nobody listens any more if the renderer is gone.
-                    let _ = sender.send(make(&device, &program, &texels, with_depth));
+                    let _ = sender.send(make(&device, &program, &texels, into));
                 });
                 self.in_making.push((key, receiver));
                 Ok(false)
@@ -111,19 +123,16 @@ impl Pipelines {
         }
     }
 
-    fn found(&self, program: &Arc<Program>, with_depth: bool) -> Option<Arc<Ready>> {
-        let found = self
-            .made
-            .iter()
-            .find(|(key, _)| key.is(program, with_depth));
+    fn found(&self, program: &Arc<Program>, into: Output) -> Option<Arc<Ready>> {
+        let found = self.made.iter().find(|(key, _)| key.is(program, into));
         found.map(|(_, ready)| ready.clone())
     }
 
-    fn keep(&mut self, program: &Arc<Program>, with_depth: bool, ready: Ready) -> Arc<Ready> {
+    fn keep(&mut self, program: &Arc<Program>, into: Output, ready: Ready) -> Arc<Ready> {
         let ready = Arc::new(ready);
         let key = Key {
             program: program.clone(),
-            with_depth,
+            into,
         };
         self.made.push((key, ready.clone()));
         ready
@@ -166,7 +175,7 @@ fn binding_type(binding: u32, texels: &[Texels]) -> wgpu::BindingType {
     }
 }
 
-fn make(device: &wgpu::Device, program: &Program, texels: &[Texels], with_depth: bool) -> Ready {
+fn make(device: &wgpu::Device, program: &Program, texels: &[Texels], into: Output) -> Ready {
     let entries: Vec<_> = program
         .bindings()
         .into_iter()
@@ -193,13 +202,20 @@ fn make(device: &wgpu::Device, program: &Program, texels: &[Texels], with_depth:
         label,
         source: wgpu::ShaderSource::Wgsl(program.wgsl().into()),
     });
-    let (entry_point, targets) = if with_depth {
-        (
+    let blended = |blend: Blend| wgpu::ColorTargetState {
+        blend: Some(wgpu::BlendState {
+            color: component(blend.color),
+            alpha: component(blend.opacity),
+        }),
+        ..COLOR.into()
+    };
+    let (entry_point, targets) = match into {
+        Output::Color => ("fragment", vec![Some(COLOR.into())]),
+        Output::ColorAndDepth => (
             "fragment_with_depth",
-            &[Some(COLOR.into()), Some(DISTANCE.into())][..],
-        )
-    } else {
-        ("fragment", &[Some(COLOR.into())][..])
+            vec![Some(COLOR.into()), Some(DISTANCE.into())],
+        ),
+        Output::Slices(blend) => ("fragment", vec![Some(blended(blend))]),
     };
     let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label,
@@ -217,10 +233,36 @@ fn make(device: &wgpu::Device, program: &Program, texels: &[Texels], with_depth:
             module: &module,
             entry_point: Some(entry_point),
             compilation_options: Default::default(),
-            targets,
+            targets: &targets,
         }),
         multiview_mask: None,
         cache: None,
     });
     Ready { pipeline, layout }
+}
+
+fn component(part: BlendPart) -> wgpu::BlendComponent {
+    let factor = |factor| match factor {
+        Factor::Zero => wgpu::BlendFactor::Zero,
+        Factor::One => wgpu::BlendFactor::One,
+        Factor::Source => wgpu::BlendFactor::Src,
+        Factor::OneMinusSource => wgpu::BlendFactor::OneMinusSrc,
+        Factor::SourceOpacity => wgpu::BlendFactor::SrcAlpha,
+        Factor::OneMinusSourceOpacity => wgpu::BlendFactor::OneMinusSrcAlpha,
+        Factor::Destination => wgpu::BlendFactor::Dst,
+        Factor::OneMinusDestination => wgpu::BlendFactor::OneMinusDst,
+        Factor::DestinationOpacity => wgpu::BlendFactor::DstAlpha,
+        Factor::OneMinusDestinationOpacity => wgpu::BlendFactor::OneMinusDstAlpha,
+    };
+    wgpu::BlendComponent {
+        src_factor: factor(part.source),
+        dst_factor: factor(part.destination),
+        operation: match part.operation {
+            Operation::Add => wgpu::BlendOperation::Add,
+            Operation::Subtract => wgpu::BlendOperation::Subtract,
+            Operation::ReverseSubtract => wgpu::BlendOperation::ReverseSubtract,
+            Operation::Smaller => wgpu::BlendOperation::Min,
+            Operation::Larger => wgpu::BlendOperation::Max,
+        },
+    }
 }

@@ -129,6 +129,8 @@ pub struct Target {
     pub depth: Option<Plane>,
     /// Rows that one submission draws; follows the time that they take.
     rows: u32,
+    /// Slices that one submission draws; so, too.
+    slices: u32,
 }
 
 impl Target {
@@ -138,6 +140,7 @@ impl Target {
             depth: None,
             // The first submission finds out how fast the device is.
             rows: 16,
+            slices: 1,
         }
     }
 
@@ -169,6 +172,61 @@ impl Target {
                 self.rows *= 2;
             }
             top += rows;
+        }
+        Ok(())
+    }
+
+    /// Draws slices of `width` × `height` pixels, blended into `start`. `at_slice` is told, before they are drawn,
+    /// how many slices there are before those of the next submission.
+    pub fn draw_slices(
+        &mut self,
+        device: &Device,
+        pipeline: &wgpu::RenderPipeline,
+        bindings: &wgpu::BindGroup,
+        [width, height]: [u32; 2],
+        (count, start): (u32, [f32; 4]),
+        mut at_slice: impl FnMut(u32),
+    ) -> Result<(), Error> {
+        let [r, g, b, a] = start.map(f64::from);
+        let mut load = wgpu::LoadOp::Clear(wgpu::Color { r, g, b, a });
+        let mut drawn = 0;
+        while drawn < count || drawn == 0 {
+            let slices = self.slices.min(count - drawn);
+            let begun = Instant::now();
+            at_slice(drawn);
+            let mut attachment = self.color.attachment();
+            if let Some(attachment) = &mut attachment {
+                attachment.ops.load = load;
+            }
+            load = wgpu::LoadOp::Load;
+            let mut encoder = device.device.create_command_encoder(&Default::default());
+            {
+                let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                    label: Some("slices"),
+                    color_attachments: &[attachment],
+                    depth_stencil_attachment: None,
+                    timestamp_writes: None,
+                    occlusion_query_set: None,
+                    multiview_mask: None,
+                });
+                pass.set_pipeline(pipeline);
+                pass.set_bind_group(0, bindings, &[]);
+                pass.set_scissor_rect(0, 0, width, height);
+                // Instances are blended in their order.
+                pass.draw(0..3, 0..slices);
+            }
+            device.queue.submit([encoder.finish()]);
+            device.wait()?;
+            let took = begun.elapsed();
+            if took > BUDGET && self.slices > 1 {
+                self.slices /= 2;
+            } else if took < BUDGET / 4 && self.slices < 1 << 16 {
+                self.slices *= 2;
+            }
+            drawn += slices;
+            if slices == 0 {
+                break;
+            }
         }
         Ok(())
     }

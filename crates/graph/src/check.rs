@@ -1,10 +1,11 @@
 //! From names to places: every input of a graph is found, typed, and checked before any text is made.
 //!
 //! What is only there for people ends here: anchors are what they hand on, constant conditions are decided,
-//! equal nodes are one, and what no root needs is left out.
+//! and what no root needs is left out.
 
 use crate::error::Problem;
 use crate::functions::{self, Call, Function, Patterns, Port, nearest};
+use crate::literal::Literal;
 use crate::model::{Constant, Graph, Input, Kind, Node, Reference, Stage, Texture};
 use crate::types::{Meaning, Scalar, Type};
 use std::collections::{BTreeMap, HashMap};
@@ -38,6 +39,8 @@ pub struct CheckedNode {
     pub name: String,
     /// What it does.
     pub what: What,
+    /// Which node of the text it is.
+    pub number: usize,
     /// The loops that it is in: bit i is loop i.
     pub loops: u64,
     /// A word for people.
@@ -81,8 +84,8 @@ pub enum What {
 /// Where a value comes from.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum Operand {
-    /// As it is written in WGSL.
-    Constant(String),
+    /// A value that is known.
+    Constant(Literal),
     /// Output `output` of a node, then members.
     Output(usize, usize, Vec<String>),
     /// A carried variable inside its loop.
@@ -105,6 +108,8 @@ struct Value {
 pub fn check(graph: &Graph, patterns: &Patterns, objects: usize) -> Result<Checked, Vec<Problem>> {
     let mut checker = Checker::new(graph, patterns, objects);
     checker.names();
+    checker.problems.extend(crate::slicing::problems(graph));
+    checker.problems.extend(crate::unread::unread(graph));
     checker.functions();
     // Without names and functions nothing can be found.
     checker.stop()?;
@@ -510,14 +515,14 @@ impl<'g> Checker<'g> {
                 Input::Constant(constant) => {
                     break match &constant {
                         Constant::Bool(truth) => Value {
-                            operand: Operand::Constant(truth.to_string()),
+                            operand: Operand::Constant(Literal::truth(*truth)),
                             ty: Type::BOOL,
                             meaning: None,
                         },
                         Constant::Numbers(numbers) => {
                             let ty = Type::Vector(Scalar::F32, numbers.len());
                             Value {
-                                operand: Operand::Constant(literal(&constant, &ty)?),
+                                operand: Operand::Constant(Literal::of(&constant, &ty)?),
                                 ty,
                                 meaning: None,
                             }
@@ -578,7 +583,7 @@ impl<'g> Checker<'g> {
                 | Operand::Last(_, _, path) => {
                     path.push(member.clone());
                 }
-                Operand::Constant(text) => *text = format!("{text}.{member}"),
+                Operand::Constant(literal) => *literal = literal.components(member),
                 Operand::Texture(_) => {}
             }
         }
@@ -588,8 +593,8 @@ impl<'g> Checker<'g> {
     /// What `input` is as a value of `port`.
     fn fitting(&mut self, input: &Input, port: &Port, place: &str) -> Option<Operand> {
         match input {
-            Input::Constant(constant) => match literal(constant, &port.ty) {
-                Ok(text) => Some(Operand::Constant(text)),
+            Input::Constant(constant) => match Literal::of(constant, &port.ty) {
+                Ok(literal) => Some(Operand::Constant(literal)),
                 Err(why) => {
                     self.wrong(place, why);
                     None
@@ -598,13 +603,13 @@ impl<'g> Checker<'g> {
             Input::From(reference) => {
                 let value = self.value(reference, place)?;
                 // A number whose type nobody has told takes that of the port.
-                if let (Operand::Constant(text), Type::Vector(_, n)) = (&value.operand, &value.ty)
+                if let Operand::Constant(literal) = &value.operand
                     && value.ty != port.ty
-                    && *n == 1
-                    && let Ok(number) = text.parse::<f64>()
-                    && let Ok(text) = literal(&Constant::Numbers(vec![number]), &port.ty)
+                    && let Some(number) = literal.as_float()
+                    && let constant = Constant::Numbers(vec![f64::from(number)])
+                    && let Ok(literal) = Literal::of(&constant, &port.ty)
                 {
-                    return Some(Operand::Constant(text));
+                    return Some(Operand::Constant(literal));
                 }
                 if value.ty != port.ty {
                     self.wrong(
@@ -741,7 +746,7 @@ impl<'g> Checker<'g> {
                     None
                 }
             };
-            arguments.push(operand.unwrap_or(Operand::Constant(String::new())));
+            arguments.push(operand.unwrap_or(Operand::Constant(Literal(Vec::new()))));
         }
         arguments
     }
@@ -1036,7 +1041,64 @@ impl<'g> Checker<'g> {
                 ));
             }
         }
+        self.senseless(&order);
         order
+    }
+
+    /// Warns of nodes that light by a normal which comes from no gradient. What one's own WGSL makes may be
+    /// anything.
+    fn senseless(&mut self, order: &[usize]) {
+        let is_source = |i: usize| {
+            let calls = |function: &Function| match &function.call {
+                Call::Module(module) => module.needs().contains(&"gradient"),
+                Call::Name(name) => *name == "gradient",
+            };
+            let gives = |function: &Function| {
+                let is_gradient = |port: &Port| port.meaning == Some(Meaning::Gradient);
+                function.outputs.iter().any(is_gradient)
+            };
+            let function = self.functions[i].as_ref();
+            matches!(
+                self.graph.nodes[i].kind,
+                Kind::Wgsl(_) | Kind::Uniform { .. }
+            ) || function.is_some_and(|f| calls(f) || gives(f))
+        };
+        // Which vertices know a gradient. What a loop carries it may know from the turn before.
+        let mut knows = vec![false; 2 * self.graph.nodes.len()];
+        for _ in 0..2 {
+            for &vertex in order {
+                let is_carried = vertex % 2 == 1 && knows[vertex - 1];
+                knows[vertex] = is_carried
+                    || is_source(vertex / 2)
+                    || self.reads(vertex).into_iter().any(|read| knows[read]);
+            }
+        }
+        let mut found = Vec::new();
+        for vertex in order {
+            let (i, node) = (vertex / 2, &self.graph.nodes[vertex / 2]);
+            let Some(function) = self.functions[i].as_ref() else {
+                continue;
+            };
+            let lights = function
+                .inputs
+                .iter()
+                .position(|port| port.name == "normal" && port.meaning == Some(Meaning::Direction));
+            let Some(operand) = lights.and_then(|port| self.nodes[i].arguments.get(port)) else {
+                continue;
+            };
+            let has_gradient = match operand {
+                Operand::Output(n, ..) | Operand::Last(n, ..) => knows[2 * n],
+                Operand::Carried(n, ..) => knows[2 * n + 1],
+                _ => false,
+            };
+            if !has_gradient {
+                found.push(Problem::new(
+                    format!("nodes.{}.inputs.normal", node.name),
+                    "it lights by a normal that no gradient makes; connect `normal_of_gradient` of the gradient",
+                ));
+            }
+        }
+        self.warnings.extend(found);
     }
 
     /// The loops that each node is in.
@@ -1155,64 +1217,17 @@ impl<'g> Checker<'g> {
         path.join(" → ")
     }
 
-    /// Equal nodes made one, in a list of their own.
+    /// What roots need, in a list of its own.
     fn finish(&mut self, order: &[usize], loops: &[u64]) -> Checked {
-        let mut place: HashMap<usize, usize> = HashMap::new();
         let mut number: HashMap<usize, usize> = HashMap::new();
-        let mut equal: HashMap<String, usize> = HashMap::new();
         let mut nodes: Vec<CheckedNode> = Vec::new();
         // Loops are named before what is in them is: their place is their end.
         let ends: Vec<usize> = order.iter().copied().filter(|v| v % 2 == 0).collect();
-        // A first pass finds equal calls, sources first.
-        let mut same: HashMap<usize, usize> = HashMap::new();
-        let renamed = |operand: &Operand, same: &HashMap<usize, usize>| match operand {
-            Operand::Output(n, o, p) => {
-                Operand::Output(same.get(n).copied().unwrap_or(*n), *o, p.clone())
-            }
-            other => other.clone(),
-        };
         for vertex in &ends {
-            let node = vertex / 2;
-            let (Some(function), this) = (&self.functions[node], &self.graph.nodes[node]) else {
-                continue;
-            };
-            // Values that can be set are not equal for good.
-            if let Call::Module(module) = &function.call
-                && module.parameter_bytes() > 0
-            {
-                continue;
-            }
-            let arguments: Vec<_> = self.nodes[node]
-                .arguments
-                .iter()
-                .map(|a| renamed(a, &same))
-                .collect();
-            let call = match &function.call {
-                Call::Name(name) => (*name).to_owned(),
-                Call::Module(module) => format!("{}\n{}", module.main(), module.source()),
-            };
-            let key = format!("{call}\n{arguments:?}\n{} {:?}", this.object, this.stage);
-            match equal.get(&key) {
-                Some(first) => {
-                    same.insert(node, *first);
-                }
-                None => {
-                    equal.insert(key, node);
-                }
-            }
-        }
-        for vertex in &ends {
-            let node = vertex / 2;
-            if !same.contains_key(&node) {
-                number.insert(node, place.len());
-                place.insert(node, place.len());
-            }
+            number.insert(vertex / 2, number.len());
         }
         let moved = |operand: &Operand| {
-            let to = |n: &usize| {
-                let n = same.get(n).copied().unwrap_or(*n);
-                number.get(&n).copied().unwrap_or(0)
-            };
+            let to = |n: &usize| number.get(n).copied().unwrap_or(0);
             match operand {
                 Operand::Output(n, o, p) => Operand::Output(to(n), *o, p.clone()),
                 Operand::Carried(n, v, p) => Operand::Carried(to(n), *v, p.clone()),
@@ -1222,9 +1237,6 @@ impl<'g> Checker<'g> {
         };
         for vertex in &ends {
             let node = vertex / 2;
-            if same.contains_key(&node) {
-                continue;
-            }
             let this = &self.graph.nodes[node];
             let found = &self.nodes[node];
             let four = |list: &[(String, Type, Operand, Operand)]| -> Vec<_> {
@@ -1244,7 +1256,7 @@ impl<'g> Checker<'g> {
                     condition: found
                         .condition
                         .as_ref()
-                        .map_or(Operand::Constant("false".into()), &moved),
+                        .map_or(Operand::Constant(Literal::truth(false)), &moved),
                     outputs: four(&found.outputs),
                 },
                 (_, Some(function)) => What::Call {
@@ -1258,6 +1270,7 @@ impl<'g> Checker<'g> {
             nodes.push(CheckedNode {
                 name: this.name.clone(),
                 what,
+                number: node,
                 loops: loops[*vertex],
                 comment: this.comment.clone(),
             });
@@ -1307,48 +1320,4 @@ pub(crate) fn check_name(name: &str) -> Result<(), String> {
         return Err(format!("`{name}` is a word of WGSL; choose another name"));
     }
     Ok(())
-}
-
-/// `constant` as WGSL writes a value of this type.
-fn literal(constant: &Constant, ty: &Type) -> Result<String, String> {
-    let wrong = || format!("{constant} is no {ty}");
-    match (constant, ty) {
-        (Constant::Bool(truth), Type::Vector(Scalar::Bool, 1)) => Ok(truth.to_string()),
-        (Constant::Numbers(numbers), Type::Vector(scalar, n)) if *scalar != Scalar::Bool => {
-            if numbers.len() != *n && numbers.len() != 1 {
-                return Err(wrong());
-            }
-            let mut parts = Vec::new();
-            for number in numbers {
-                parts.push(match scalar {
-                    Scalar::F32 => {
-                        let single = *number as f32;
-                        if !single.is_finite() {
-                            return Err(format!("{number} is no number that an f32 can hold"));
-                        }
-                        format!("{single:?}")
-                    }
-                    Scalar::I32
-                        if number.fract() == 0.0
-                            && *number >= f64::from(i32::MIN)
-                            && *number <= f64::from(i32::MAX) =>
-                    {
-                        format!("i32({number})")
-                    }
-                    Scalar::U32
-                        if number.fract() == 0.0
-                            && (0.0..=f64::from(u32::MAX)).contains(number) =>
-                    {
-                        format!("{number}u")
-                    }
-                    _ => return Err(wrong()),
-                });
-            }
-            Ok(match n {
-                1 => parts.remove(0),
-                _ => format!("{ty}({})", parts.join(", ")),
-            })
-        }
-        _ => Err(wrong()),
-    }
 }

@@ -3,13 +3,13 @@
 use crate::check::{self, Checked};
 use crate::emit::emit;
 use crate::error::{Error, Problem};
+use crate::fold::folded;
 use crate::functions::Patterns;
 use crate::group::unfolded;
-use crate::model::{Graph, Kind, Texture};
-use std::collections::HashMap;
-use std::fmt::Write;
+use crate::model::{Graph, Kind, Node, Texture};
+use std::collections::{HashMap, VecDeque};
 use std::sync::Arc;
-use strahl_program::Functions;
+use strahl_program::{Functions, Slicing, SlicingError};
 use strahl_shader::{Linker, Program, RayLoop, Selection, graph_loop};
 
 /// A graph ready to be drawn.
@@ -21,6 +21,8 @@ pub struct Compiled {
     pub parameters: Vec<u8>,
     /// The textures that it reads, in the order of their bindings, with their nodes' names and objects.
     pub textures: Vec<(String, Texture, usize)>,
+    /// If it is drawn by slices: how these are blended. Its program then is that of a slice.
+    pub slicing: Option<Slicing>,
     /// What is odd, but no error.
     pub warnings: Vec<Problem>,
 }
@@ -32,17 +34,28 @@ struct Shape {
     warnings: Vec<Problem>,
     /// Nodes that have parameters, and what they are called in the program.
     nodes: Vec<(usize, String)>,
+    /// Nodes that are the textures which it reads.
+    textures: Vec<usize>,
 }
 
-/// Everything that decides about a [`Shape`].
-type Key = (String, RayLoop, Selection);
+/// Everything that decides about a [`Shape`]: a graph, whose values do not count, and what is drawn.
+#[derive(Debug)]
+struct Key {
+    graph: Graph,
+    what: RayLoop,
+    selection: Selection,
+}
 
-/// Compiles graphs, and remembers what it has compiled.
+/// Shapes that a compiler remembers.
+const MOST_SHAPES: usize = 64;
+
+/// Compiles graphs, and remembers what it has compiled last.
 #[derive(Debug, Default)]
 pub struct Compiler {
-    linker: Linker,
     patterns: Patterns,
-    shapes: HashMap<Key, Arc<Shape>>,
+    /// What was used last comes first. Keys are compared, not hashed: most differ at the first look, and the
+    /// one that is wanted is nearly always the first.
+    shapes: VecDeque<(Key, Arc<Shape>)>,
 }
 
 impl Compiler {
@@ -83,12 +96,25 @@ impl Compiler {
         } else {
             graph
         };
-        let key = (shape_of(graph), what.clone(), functions.selection.clone());
-        let shape = match self.shapes.get(&key) {
-            Some(shape) => {
+        if graph.slicing.is_some() && what.is_before_geometry {
+            let why = SlicingError::Meshes.to_string();
+            return Err(wrong(vec![Problem::new("slicing", why)]));
+        }
+        let selection = &functions.selection;
+        let seen = (self.shapes.iter()).position(|(key, _)| {
+            key.what == *what && key.selection == *selection && is_same_shape(&key.graph, graph)
+        });
+        let shape = match seen.and_then(|i| self.shapes.remove(i)) {
+            Some((key, shape)) => {
+                self.shapes.push_front((key, shape.clone()));
                 // The shape is known to be right, its values are not.
-                values(graph, shape).map_err(wrong)?;
-                shape.clone()
+                values(graph, &shape).map_err(wrong)?;
+                let mut problems = crate::slicing::problems(graph);
+                problems.extend(crate::unread::unread(graph));
+                if !problems.is_empty() {
+                    return Err(wrong(problems));
+                }
+                shape
             }
             None => {
                 let checked = check::check(graph, &self.patterns, what.objects).map_err(wrong)?;
@@ -98,7 +124,13 @@ impl Compiler {
                         Wrong::Link(error) => Error::Link(error),
                     },
                 )?);
-                self.shapes.insert(key, shape.clone());
+                let key = Key {
+                    graph: graph.clone(),
+                    what: what.clone(),
+                    selection: selection.clone(),
+                };
+                self.shapes.push_front((key, shape.clone()));
+                self.shapes.truncate(MOST_SHAPES);
                 shape
             }
         };
@@ -112,26 +144,32 @@ impl Compiler {
                 shape.program.set(&mut parameters, label, name, value)?;
             }
         }
-        let textures = graph.nodes.iter().filter_map(|n| match &n.kind {
-            Kind::Texture(texture) => Some((n.name.clone(), texture.clone(), n.object)),
-            _ => None,
+        let textures = shape.textures.iter().filter_map(|n| {
+            let node = &graph.nodes[*n];
+            match &node.kind {
+                Kind::Texture(texture) => Some((node.name.clone(), texture.clone(), node.object)),
+                _ => None,
+            }
         });
         Ok(Compiled {
             program: shape.program.clone(),
             parameters,
             textures: textures.collect(),
+            slicing: graph.slicing,
             warnings: shape.warnings.clone(),
         })
     }
 
     fn link(
-        &mut self,
+        &self,
         graph: &Graph,
         checked: Checked,
         what: &RayLoop,
         functions: &Functions,
     ) -> Result<Shape, Wrong> {
-        let emitted = emit(&checked, what.objects).map_err(Wrong::Graph)?;
+        let checked = folded(checked, what, &functions.selection);
+        let emitted =
+            emit(&checked, what.objects, graph.slicing.map(|s| s.order)).map_err(Wrong::Graph)?;
         let skeleton = graph_loop(
             what,
             &emitted.march,
@@ -139,16 +177,23 @@ impl Compiler {
             emitted.functions,
         )
         .map_err(Wrong::Link)?;
-        let program = self
-            .linker
+        // What is linked is remembered here, by its graph.
+        let program = Linker::new()
             .link(&skeleton, &functions.selection)
             .map_err(Wrong::Link)?;
+        let place: HashMap<_, _> = (graph.nodes.iter().enumerate())
+            .map(|(i, node)| (node.name.as_str(), i))
+            .collect();
         let nodes = emitted.nodes.iter().filter_map(|(name, label)| {
-            let node = graph.nodes.iter().position(|n| n.name == *name)?;
-            Some((node, label.clone()))
+            let node = place.get(name.as_str())?;
+            Some((*node, label.clone()))
         });
+        let textures = checked.textures.iter();
         Ok(Shape {
             nodes: nodes.collect(),
+            textures: textures
+                .filter_map(|(name, _)| place.get(name.as_str()).copied())
+                .collect(),
             program,
             warnings: checked.warnings,
         })
@@ -194,25 +239,31 @@ fn values(graph: &Graph, shape: &Shape) -> Result<(), Vec<Problem>> {
     }
 }
 
-/// All of a graph but the values that can be set.
-fn shape_of(graph: &Graph) -> String {
-    let mut shape = String::new();
-    for node in &graph.nodes {
-        let _ = write!(shape, "{}|{}|{:?}|", node.name, node.object, node.stage);
-        match &node.kind {
-            Kind::Uniform { ty, .. } => shape.push_str(ty),
-            Kind::Texture(_) => shape.push_str("texture"),
-            kind => {
-                let _ = write!(shape, "{kind:?}");
-            }
-        }
-        for (name, input) in &node.inputs {
-            let _ = write!(shape, "|{name}={input:?}");
-        }
-        let _ = writeln!(shape, "|{}", node.comment);
-    }
-    for (name, root) in &graph.roots {
-        let _ = writeln!(shape, "{name}={root}");
-    }
-    shape
+/// Whether all of two graphs is equal but the values that can be set.
+fn is_same_shape(a: &Graph, b: &Graph) -> bool {
+    let is_same_kind = |a: &Kind, b: &Kind| match (a, b) {
+        (Kind::Uniform { ty: a, .. }, Kind::Uniform { ty: b, .. }) => a == b,
+        (Kind::Texture(_), Kind::Texture(_)) => true,
+        (a, b) => a == b,
+    };
+    let is_same_node = |(a, b): (&Node, &Node)| {
+        a.name == b.name
+            && is_same_kind(&a.kind, &b.kind)
+            && a.inputs == b.inputs
+            && a.object == b.object
+            && a.stage == b.stage
+            && a.comment == b.comment
+    };
+    // How slices are blended is no part of the program.
+    let order = |graph: &Graph| graph.slicing.map(|slicing| slicing.order);
+    // Edits are mostly at the end.
+    a.nodes.len() == b.nodes.len()
+        && a.roots == b.roots
+        && a.inputs == b.inputs
+        && order(a) == order(b)
+        && a.nodes
+            .iter()
+            .rev()
+            .zip(b.nodes.iter().rev())
+            .all(is_same_node)
 }

@@ -452,6 +452,7 @@ impl Editor<'_> {
                 .collect(),
         };
         let mut problems = Vec::new();
+        let mut has_reader = false;
         self.graph.for_each_reference_mut(|at, reference| {
             // What takes its place may read it.
             let is_own = own.iter().any(|name| at.strip_prefix("nodes.").is_some_and(|rest| {
@@ -460,6 +461,7 @@ impl Editor<'_> {
             if reference.node != node || is_own {
                 return;
             }
+            has_reader = true;
             match by {
                 By::One(target) => {
                     let rest = std::mem::take(&mut reference.path);
@@ -482,6 +484,13 @@ impl Editor<'_> {
                 }
             }
         });
+        if !has_reader {
+            self.wrong(
+                format!("{place}.node"),
+                format!("nothing else reads `{node}`, so nothing would change; connect what is to read another node"),
+            );
+            return;
+        }
         for why in problems {
             self.wrong(format!("{place}.by"), why);
         }
@@ -509,6 +518,13 @@ impl Editor<'_> {
                 })
                 .collect(),
             By::Parts(given) => {
+                if given.is_empty() {
+                    self.wrong(
+                        format!("{place}.by"),
+                        "it says nothing that comes in place of the stage",
+                    );
+                    return;
+                }
                 for (part, _) in given {
                     if !parts.contains(&part.as_str()) {
                         let why = match parts {

@@ -4,7 +4,7 @@
 //! every loop on which it does not depend (C. Click, Global Code Motion / Global Value Numbering, 1995; here
 //! nodes have no side effects, and a place is always found from the readers down). What only one branch of an
 //! `if` reads is computed in that branch. In one place nodes come by their longest path to a root, the longest
-//! first, so that nodes of one stage stand together.
+//! first, so that nodes of one stage stand together; ties in the order of the text.
 
 use crate::check::{Checked, Operand, What};
 use crate::error::Problem;
@@ -15,6 +15,7 @@ use std::cmp::Reverse;
 use std::collections::{HashMap, HashSet};
 use std::fmt::Write;
 use std::sync::Arc;
+use strahl_program::Order;
 use strahl_shader::{Module, bindings, surrounding_words};
 
 /// `if` and loops in one another. Compilers read programs by recursion.
@@ -33,7 +34,7 @@ pub struct Emitted {
     pub march: String,
     /// The functions that it calls, by their names.
     pub functions: Vec<(String, Arc<Module>)>,
-    /// Entry points, if nodes are computed in the vertex stage.
+    /// Entry points, if nodes are computed in the vertex stage or it is drawn by slices.
     pub entry: Option<String>,
     /// Nodes whose functions have parameters, and what those are called.
     pub nodes: Vec<(String, String)>,
@@ -73,8 +74,12 @@ struct Emitter<'c> {
     turns: Option<String>,
 }
 
-/// Writes `graph` for a scene of `objects`.
-pub fn emit(graph: &Checked, objects: usize) -> Result<Emitted, Vec<Problem>> {
+/// Writes `graph` for a scene of `objects`: along rays, or a slice of so many that come in this order.
+pub fn emit(
+    graph: &Checked,
+    objects: usize,
+    slices: Option<Order>,
+) -> Result<Emitted, Vec<Problem>> {
     let mut emitter = Emitter {
         graph,
         objects,
@@ -109,7 +114,8 @@ pub fn emit(graph: &Checked, objects: usize) -> Result<Emitted, Vec<Problem>> {
             &format!("@group(0) @binding({binding}) var {name}: texture_2d<f32>;"),
         );
     }
-    let entry = (!vertex.is_empty()).then(|| emitter.entry(&vertex));
+    let has_entry = !vertex.is_empty() || slices.is_some();
+    let entry = has_entry.then(|| emitter.entry(&vertex, slices));
     let needs_turns = (graph.nodes.iter().enumerate())
         .any(|(i, node)| matches!(node.what, What::Loop { .. }) && !emitter.ends_by_itself(i));
     if needs_turns {
@@ -232,7 +238,7 @@ impl Emitter<'_> {
             }
         }
         for nodes in &mut self.nodes_of {
-            nodes.sort_by_key(|i| (Reverse(self.depth[*i]), *i));
+            nodes.sort_by_key(|i| (Reverse(self.depth[*i]), self.graph.nodes[*i].number));
         }
         let deepest = self.places.iter().max_by_key(|p| p.depth);
         if let Some(place) = deepest
@@ -324,7 +330,7 @@ impl Emitter<'_> {
     /// Gives everything a name that nothing else has.
     fn name(&mut self) -> (Vec<Labelled>, Vec<(String, String)>) {
         let (mut functions, mut nodes) = (Vec::<(String, Arc<Module>)>::new(), Vec::new());
-        let mut shared: HashMap<*const str, String> = HashMap::new();
+        let mut shared: HashMap<Arc<Module>, String> = HashMap::new();
         for (name, _) in &self.graph.textures {
             let name = self.unique(&format!("texture_{name}"));
             self.textures.push(name);
@@ -344,13 +350,12 @@ impl Emitter<'_> {
                     match &function.call {
                         Call::Name(name) => label = (*name).to_owned(),
                         Call::Module(module) if module.parameter_bytes() == 0 => {
-                            let key: *const str = module.source();
-                            label = match shared.get(&key) {
+                            label = match shared.get(module) {
                                 Some(label) => label.clone(),
                                 None => {
                                     let label = self.unique(&format!("node_{}", module.main()));
                                     functions.push((label.clone(), module.clone()));
-                                    shared.insert(key, label.clone());
+                                    shared.insert(module.clone(), label.clone());
                                     label
                                 }
                             };
@@ -396,7 +401,7 @@ impl Emitter<'_> {
             text
         };
         match operand {
-            Operand::Constant(text) => text.clone(),
+            Operand::Constant(literal) => literal.to_string(),
             Operand::Texture(i) => self.textures[*i].clone(),
             Operand::Carried(n, v, path) | Operand::Last(n, v, path) => {
                 with(&self.locals[*n][*v], path)
@@ -421,9 +426,14 @@ impl Emitter<'_> {
         else {
             return String::new();
         };
-        if let Call::Name("ray_of_pixel") = function.call {
-            debug_assert_eq!(RAY, "ray");
-            return "ray_of_pixel(pixel)".to_owned();
+        // What the driver gives them is no output of a node.
+        match function.call {
+            Call::Name(name @ ("ray_of_pixel" | "slice_of_pixel")) => {
+                debug_assert_eq!(RAY, "ray");
+                return format!("{name}(pixel)");
+            }
+            Call::Name(name @ "corner_of_picture") => return format!("{name}(index)"),
+            _ => {}
         }
         let arguments: Vec<_> = arguments.iter().map(|a| self.operand(a)).collect();
         format!("{}({})", self.labels[i], arguments.join(", "))
@@ -458,8 +468,10 @@ impl Emitter<'_> {
                 }
                 let text = format!("if {} {{", self.operand(condition));
                 self.line(indent, &text);
+                let before = self.current;
+                let mut ends = Vec::new();
                 for (place, branch) in [(then, 0), (other, 1)] {
-                    self.current = None;
+                    self.current = before;
                     self.block(place, indent + 1);
                     for (output, (_, _, a, b)) in outputs.iter().enumerate() {
                         let value = self.operand(if branch == 0 { a } else { b });
@@ -467,8 +479,9 @@ impl Emitter<'_> {
                         self.line(indent + 1, &text);
                     }
                     self.line(indent, if branch == 0 { "} else {" } else { "}" });
+                    ends.push(self.current);
                 }
-                self.current = None;
+                self.current = before.filter(|_| ends.iter().all(|end| *end == before));
             }
             What::Loop {
                 carry,
@@ -498,7 +511,11 @@ impl Emitter<'_> {
                     self.statement(*n, indent + 1);
                 }
                 if let Some(condition) = while_ {
-                    let text = format!("if !({}) {{\n    break;\n}}", self.operand(condition));
+                    // One instruction less than a negation.
+                    let text = format!(
+                        "if {} {{\n}} else {{\n    break;\n}}",
+                        self.operand(condition)
+                    );
                     self.line(indent + 1, &text);
                 }
                 for n in nodes.iter().filter(|n| !first.contains(n)) {
@@ -620,7 +637,10 @@ impl Emitter<'_> {
         let [Operand::Carried(of, k, _), Operand::Output(count, 2, _)] = &compared[..] else {
             return false;
         };
-        let is_of_lattice = matches!(main(*count), Some(("lattice_of_ray", _)));
+        let is_of_lattice = matches!(
+            main(*count),
+            Some(("lattice_of_ray" | "lattice_of_line", _))
+        );
         let Some((_, _, _, Operand::Output(next, ..))) = carry.get(*k) else {
             return false;
         };
@@ -630,12 +650,31 @@ impl Emitter<'_> {
     }
 
     /// Entry points of a program with a vertex stage of its own.
-    fn entry(&mut self, vertex: &[usize]) -> String {
+    fn entry(&mut self, vertex: &[usize], slices: Option<Order>) -> String {
         let mut members = String::new();
         let mut assign = String::new();
         let mut body = String::new();
         let mut receive = String::new();
         let mut location = 0;
+        // Nodes of the vertex stage read one another there; only then is known what they are called elsewhere.
+        let mut received = Vec::new();
+        let mut arguments = "@builtin(vertex_index) index: u32".to_owned();
+        if let Some(order) = slices {
+            // An instance is a slice: they are blended in their order.
+            let sign = match order {
+                Order::FrontToBack => '+',
+                Order::BackToFront => '-',
+            };
+            arguments.push_str(", @builtin(instance_index) instance: u32");
+            members.push_str("    @location(0) @interpolate(flat) slice_mm: f32,\n");
+            let _ = writeln!(
+                body,
+                "    slice_mm = f32(frame.first_slice {sign} i32(instance)) * frame.step_mm;"
+            );
+            assign.push_str("    out.slice_mm = slice_mm;\n");
+            receive.push_str("    slice_mm = at.slice_mm;\n");
+            location = 1;
+        }
         for &i in vertex {
             let node = &self.graph.nodes[i];
             let What::Call {
@@ -665,6 +704,11 @@ impl Emitter<'_> {
                     }
                 }
             }
+            if let What::Call { object, .. } = &node.what
+                && self.objects > 1
+            {
+                let _ = writeln!(body, "    current = {object}u;");
+            }
             let _ = writeln!(body, "    let {local} = {};", self.call(i));
             let mut outputs = Vec::new();
             for port in &function.outputs {
@@ -687,13 +731,9 @@ impl Emitter<'_> {
                 location += 1;
                 outputs.push(global);
             }
-            // From here on it is read where the fragment stage has put it.
-            self.locals[i] = vec![if function.is_struct {
-                String::new()
+            if !function.is_struct {
+                received.push((i, outputs[0].clone()));
             } else {
-                outputs[0].clone()
-            }];
-            if function.is_struct {
                 let of = self.unique(&format!("{local}_here"));
                 let members: Vec<_> = function
                     .outputs
@@ -720,16 +760,42 @@ impl Emitter<'_> {
                     .map(|(port, global)| format!("    {of}.{} = {global};\n", port.name))
                     .collect();
                 receive.push_str(&assigned);
-                self.locals[i] = vec![of];
+                received.push((i, of));
             }
         }
-        format!(
+        // From here on they are read where the fragment stage has put them.
+        for (i, name) in received {
+            self.locals[i] = vec![name];
+        }
+        let stages = format!(
             "struct VertexOut {{\n    @builtin(position) place: vec4f,\n{members}}}\n\n\
-             @vertex\nfn vertex(@builtin(vertex_index) index: u32) -> VertexOut {{\n    var out: VertexOut;\n    out.place = corner(index);\n{body}{assign}    return out;\n}}\n\n\
-             fn receive(at: VertexOut) {{\n{receive}}}\n\n\
-             @fragment\nfn fragment(at: VertexOut) -> @location(0) vec4f {{\n    receive(at);\n    return pixel_at(at.place);\n}}\n\n\
-             @fragment\nfn fragment_with_depth(at: VertexOut) -> PixelWithDepth {{\n    receive(at);\n    let color = pixel_at(at.place);\n    return PixelWithDepth(color, hit_mm);\n}}\n"
-        )
+             @vertex\nfn vertex({arguments}) -> VertexOut {{\n    var out: VertexOut;\n    out.place = corner(index);\n{body}{assign}    return out;\n}}\n\n\
+             fn receive(at: VertexOut) {{\n{receive}}}\n\n"
+        );
+        if slices.is_some() {
+            return stages + &self.slice_entry();
+        }
+        stages
+            + "@fragment\nfn fragment(at: VertexOut) -> @location(0) vec4f {\n    receive(at);\n    return pixel_at(at.place);\n}\n\n\
+             @fragment\nfn fragment_with_depth(at: VertexOut) -> PixelWithDepth {\n    receive(at);\n    let color = pixel_at(at.place);\n    return PixelWithDepth(color, hit_mm);\n}\n"
+    }
+
+    /// What a pixel does with a slice: outside of everything it draws nothing.
+    fn slice_entry(&self) -> String {
+        let mut text = "@fragment\nfn fragment(at: VertexOut) -> @location(0) vec4f {\n    receive(at);\n    pixel_of_part = vec2u(at.place.xy);\n    let pixel = pixel_of_part + frame.origin;\n".to_owned();
+        if self.objects > 1 {
+            text.push_str("    var is_inside = false;\n");
+            for object in 0..self.objects {
+                let _ = writeln!(text, "    current = {object}u;");
+                text.push_str("    is_inside = is_inside || slice_of_pixel(pixel).is_inside;\n");
+            }
+        } else {
+            text.push_str("    let is_inside = slice_of_pixel(pixel).is_inside;\n");
+        }
+        text.push_str(
+            "    if !is_inside {\n        discard;\n    }\n    return march(pixel);\n}\n",
+        );
+        text
     }
 }
 

@@ -2,11 +2,12 @@
 //! its ports.
 
 use crate::error::Problem;
+use crate::known::Pure;
 use crate::model::Constant;
 use crate::types::{Meaning, Type};
 use std::collections::HashMap;
 use std::sync::{Arc, LazyLock, Mutex};
-use strahl_shader::{Module, SLOTS, built_in};
+use strahl_shader::{Module, PRELUDE, SLOTS, built_in};
 
 /// An input or output of a function.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,7 +25,7 @@ pub struct Port {
 }
 
 /// A function that a node can be.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Function {
     /// Its inputs, in the order of the call.
     pub inputs: Vec<Port>,
@@ -34,6 +35,8 @@ pub struct Function {
     pub is_struct: bool,
     /// What is called.
     pub call: Call,
+    /// The same, to be computed when a graph is compiled; `None` if it reads more than its arguments.
+    pub(crate) pure: Option<Arc<Pure>>,
     /// A word for people.
     pub comment: String,
 }
@@ -143,6 +146,7 @@ impl BuiltIn {
             outputs: self.outputs.iter().map(port).collect(),
             is_struct: self.outputs[0].0 != "out",
             call: Call::Name(self.call),
+            pure: None,
             comment: self.comment.to_owned(),
         }
     }
@@ -151,7 +155,7 @@ impl BuiltIn {
 /// The name of the pattern that is the ray itself, whose only argument is the pixel.
 pub const RAY: &str = "ray";
 
-static BUILT_IN: [BuiltIn; 6] = [
+static BUILT_IN: [BuiltIn; 9] = [
     BuiltIn {
         name: RAY,
         call: "ray_of_pixel",
@@ -212,6 +216,41 @@ static BUILT_IN: [BuiltIn; 6] = [
             ("step", "vec3f", ""),
         ],
         outputs: &[("out", "f32", "")],
+    },
+    BuiltIn {
+        name: "slice",
+        call: "slice_of_pixel",
+        comment: "The point of a slice that a pixel sees: distances along its ray, the way to the next slice, the position in the object's voxel space.",
+        inputs: &[],
+        outputs: &[
+            ("pixel", "vec2u", ""),
+            ("place_mm", "vec3f", "position.world"),
+            ("distance_mm", "f32", "length.mm"),
+            ("length_mm", "f32", "length.mm"),
+            ("position", "vec3f", "position.voxel"),
+            ("is_inside", "bool", ""),
+            ("origin_mm", "vec3f", "position.world"),
+            ("direction", "vec3f", "direction.world"),
+            ("to_eye", "vec3f", "direction.world"),
+        ],
+    },
+    BuiltIn {
+        name: "slice_mm",
+        call: "slice_distance_mm",
+        comment: "How far in front of the eye, or of the plane of an orthographic picture, the slice lies along the view axis.",
+        inputs: &[],
+        outputs: &[("out", "f32", "length.mm")],
+    },
+    BuiltIn {
+        name: "corner",
+        call: "corner_of_picture",
+        comment: "A corner of what is drawn, for nodes of the vertex stage: its place in the picture, in the slice (or where rays begin), and the way of one mm along the view axis.",
+        inputs: &[],
+        outputs: &[
+            ("picture", "vec2f", ""),
+            ("place_mm", "vec3f", "position.world"),
+            ("along", "vec3f", ""),
+        ],
     },
     BuiltIn {
         name: "is_value",
@@ -333,6 +372,7 @@ pub fn of_slot(slot: &str) -> Result<Function, String> {
         }],
         is_struct: false,
         call: Call::Name(signature.name),
+        pure: None,
         comment: format!("The scene's {slot}."),
     })
 }
@@ -456,11 +496,16 @@ fn of_module(module: Arc<Module>) -> Result<Function, String> {
         "" => comment.join(" "),
         meaning => meaning.replace('\n', " "),
     };
+    let is_pure = module.parameter_bytes() == 0 && module.needs().is_empty();
+    let pure = is_pure
+        .then(|| Pure::of(module.source(), module.main(), PRELUDE))
+        .flatten();
     Ok(Function {
         inputs,
         outputs,
         is_struct,
         call: Call::Module(module),
+        pure: pure.map(Arc::new),
         comment: words.trim().to_owned(),
     })
 }

@@ -46,6 +46,9 @@ fn one_level(mut graph: Graph) -> Result<Graph, Vec<Problem>> {
     // Group output → node inside.
     let mut outputs: Vec<(String, String, Reference)> = Vec::new();
     for node in std::mem::take(&mut graph.nodes) {
+        if let Kind::Group(_) = node.kind {
+            crate::unread::of_node(&node, "a graph in a graph", &mut problems);
+        }
         let Kind::Group(inner) = node.kind else {
             nodes.push(node);
             continue;

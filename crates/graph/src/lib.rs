@@ -30,13 +30,18 @@ mod dot;
 mod edit;
 mod emit;
 mod error;
+mod fold;
 mod functions;
 mod group;
+mod known;
+mod literal;
 mod model;
 mod pre_integrated;
+mod slicing;
 mod standard;
 mod text;
 mod types;
+mod unread;
 
 pub use check::{MOST_LOOPS, MOST_NODES, MOST_TEXTURES};
 pub use compile::{Compiled, Compiler};

@@ -1,6 +1,7 @@
 //! A graph: named nodes whose inputs read outputs of others, and roots, which are what is computed.
 
 use std::fmt;
+use strahl_program::Slicing;
 
 /// Nodes, and what is wanted of them.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -14,6 +15,8 @@ pub struct Graph {
     pub roots: Vec<(String, Reference)>,
     /// Inputs of a graph that stands as a node in others; such a graph cannot be drawn alone.
     pub inputs: Vec<GroupInput>,
+    /// If it is drawn by slices instead of along rays: how these are blended.
+    pub slicing: Option<Slicing>,
 }
 
 /// An input of a graph that stands as a node in others.
@@ -79,7 +82,7 @@ impl Node {
 }
 
 /// Where a node is computed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Stage {
     /// Where it is needed: once per ray, or per turn of a loop.
     #[default]
@@ -89,7 +92,7 @@ pub enum Stage {
 }
 
 /// How outputs of the vertex stage get to the pixels.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Interpolation {
     /// Straight in space.
     #[default]

@@ -6,6 +6,7 @@ use crate::model::{
     Carried, Constant, Graph, GroupInput, Input, Interpolation, Kind, Loop, Node, Reference, Stage,
     Texture,
 };
+use crate::slicing::SlicingText;
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::{self, MapAccess, SeqAccess, Visitor};
 use serde::ser::SerializeMap;
@@ -535,6 +536,9 @@ struct GraphText {
     /// Folders with patterns of one's own, `NAME.wgsl` each, relative to the folder of this text.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     patterns: Vec<String>,
+    /// The graph is drawn by slices across the view instead of along rays.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    slicing: Option<SlicingText>,
     /// Inputs of a graph that stands as a node in others; inside they are read as `inputs.NAME`.
     #[serde(skip_serializing_if = "Map::is_empty")]
     inputs: Map<GroupInputText>,
@@ -896,7 +900,14 @@ impl Reader<'_, '_> {
             asked.patterns.push(folder);
         }
         let edits = text.edits.clone();
-        if !text.nodes.is_empty() || !text.roots.is_empty() || !text.inputs.is_empty() {
+        let has_graph = !text.nodes.is_empty() || !text.roots.is_empty() || !text.inputs.is_empty();
+        if has_graph || text.slicing.is_some() {
+            if asked.graph.is_some() {
+                self.wrong(
+                    "nodes",
+                    "the text that `file` names has a graph already; change it by `edits`, of which `everything` takes its place",
+                );
+            }
             asked.graph = Some(self.graph(text, "")?);
         }
         for (i, list) in edits.into_iter().enumerate() {
@@ -1040,6 +1051,13 @@ impl Reader<'_, '_> {
             };
             group_inputs.push(GroupInput { name, default });
         }
+        let slicing = text.slicing.map(|slicing| slicing.slicing());
+        if slicing.is_some_and(|s| s.start.iter().any(|number| !number.is_finite())) {
+            self.wrong(
+                under("slicing.start"),
+                "a number is beyond what an f32 can hold",
+            );
+        }
         Ok(Graph {
             name: text.name.unwrap_or_default(),
             nodes: self.nodes(text.nodes, &under("nodes"))?,
@@ -1047,6 +1065,7 @@ impl Reader<'_, '_> {
                 .map(|(name, from)| (name.clone(), Reference::new(from)))
                 .collect(),
             inputs: group_inputs,
+            slicing,
         })
     }
 
@@ -1109,6 +1128,15 @@ impl Reader<'_, '_> {
             let of = (texture.file, texture.texels, texture.pre_integrated);
             let texture = match (of, texture.size) {
                 ((Some(path), None, None), None) => Some(Texture::File(self.path(&path))),
+                ((None, Some(texels), None), Some(_))
+                    if texels.iter().flatten().any(|number| !number.is_finite()) =>
+                {
+                    self.wrong(
+                        format!("{place}.texture.texels"),
+                        "a number is beyond what an f32 can hold",
+                    );
+                    return Ok(None);
+                }
                 ((None, Some(texels), None), Some([width, height])) => Some(Texture::Texels {
                     width,
                     height,
@@ -1154,6 +1182,12 @@ impl Reader<'_, '_> {
                 .extend(outputs.map(|(output, from)| (format!("{branch}.{output}"), from.input())));
         }
         if let Some(graph) = text.graph {
+            if graph.slicing.is_some() {
+                self.wrong(
+                    format!("{place}.graph.slicing"),
+                    "the outermost graph says how slices are blended; a graph in a graph has nodes and roots",
+                );
+            }
             let graph = self.graph(*graph, &format!("{place}.graph"))?;
             kinds.push(("graph", Kind::Group(Box::new(graph))));
         }
@@ -1162,11 +1196,12 @@ impl Reader<'_, '_> {
             let mut graph = Graph::default();
             if let Some((path, inner)) = self.open(&place, &path) {
                 let inner = read_at(&path, &inner, self.read, self.depth + 1)?;
-                if !inner.edits.is_empty() || !inner.patterns.is_empty() {
+                let slices = inner.graph.as_ref().is_some_and(|g| g.slicing.is_some());
+                if slices || !inner.edits.is_empty() || !inner.patterns.is_empty() {
                     self.wrong(
                         &place,
                         format!(
-                            "{path} has edits or patterns; a graph in a graph has nodes and roots"
+                            "{path} has edits, patterns or slicing; a graph in a graph has nodes and roots"
                         ),
                     );
                 }
@@ -1275,6 +1310,7 @@ fn graph_text(graph: &Graph) -> GraphText {
         roots: Map((graph.roots.iter())
             .map(|(name, from)| (name.clone(), from.to_string()))
             .collect()),
+        slicing: graph.slicing.as_ref().map(SlicingText::of),
         ..GraphText::default()
     }
 }

@@ -32,8 +32,10 @@ pub struct Frame {
     pub origin: [u32; 2],
     /// Which of the pictures that are averaged.
     pub number: u32,
-    /// Unused.
-    pub padding: [u32; 3],
+    /// The slice that the first instance draws; 0 where no slices are drawn.
+    pub first_slice: i32,
+    /// Of what is drawn into, in pixels: the first triangle corner lies at its lower left end.
+    pub viewport: [u32; 2],
 }
 
 /// The struct `Object` of the ray loop, byte for byte.
@@ -89,7 +91,8 @@ impl Frame {
             size: [plan.width, plan.height],
             origin: [0, 0],
             number: 0,
-            padding: [0; 3],
+            first_slice: 0,
+            viewport: [plan.width, plan.height],
         }
     }
 

@@ -20,11 +20,15 @@
 mod bricks;
 mod frame;
 mod functions;
+mod slicing;
 mod tables;
 
 pub use bricks::{occupancy, visible_bricks};
 pub use frame::{Frame, Object, rows, single};
 pub use functions::Functions;
+pub use slicing::{
+    Blend, BlendPart, Factor, MOST_SLICES, Operation, Order, Slices, Slicing, SlicingError,
+};
 pub use tables::{Table2d, noise_tile, stacked, tables};
 
 use std::sync::Arc;

@@ -20,6 +20,14 @@ fn ray_position(lattice_point: f32) -> vec3f {
     return entries_in_voxel[current] + lattice_point * steps_in_voxel[current];
 }
 
+fn kept_entry() -> vec3f {
+    return entries_in_voxel[current];
+}
+
+fn kept_step() -> vec3f {
+    return steps_in_voxel[current];
+}
+
 fn keep_line(line: Line) {
     entries_in_voxel[current] = line.start + entry_mm * line.along;
     steps_in_voxel[current] = line.along * frame.step_mm;

@@ -40,6 +40,10 @@ struct Frame {
     origin: vec2u,
     /// Which of the pictures that are averaged this is.
     number: u32,
+    /// Of slices: the number of the one that the first instance draws.
+    first_slice: i32,
+    /// Of what is drawn into, in pixels.
+    viewport: vec2u,
     objects: array<Object, OBJECTS>,
 }
 

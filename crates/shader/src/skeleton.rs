@@ -186,7 +186,7 @@ pub fn surrounding_words() -> &'static HashSet<&'static str> {
             include_str!("../skeleton/values_any.wgsl"),
             include_str!("../skeleton/behind_geometry.wgsl"),
             PRELUDE,
-            "volume volume_sampler stored texel_linear parameters Parameters march lighting illuminate light select vertex_out VertexOut receive",
+            "volume volume_sampler stored texel_linear parameters Parameters march lighting illuminate light select vertex_out VertexOut receive at out instance is_inside",
         ];
         let mut words: HashSet<_> = texts
             .iter()

@@ -150,7 +150,13 @@ fn evaluated(
                 let ready = graph.ready(plan, &what, &functions)?;
                 notes = ready.notes;
                 let of = &ready.compiled;
-                evaluator.render_by(plan, &of.program, &of.parameters, &ready.textures, progress)?
+                let (program, parameters) = (&of.program, &of.parameters);
+                let textures = &ready.textures;
+                match &of.slicing {
+                    None => evaluator.render_by(plan, program, parameters, textures, progress)?,
+                    Some(slicing) => evaluator
+                        .render_slices_by(plan, program, parameters, textures, slicing, progress)?,
+                }
             }
         };
         Ok(Drawn {
@@ -213,7 +219,13 @@ fn on_device(
             let ready = graph.ready(plan, &what, &functions)?;
             notes = ready.notes;
             let of = &ready.compiled;
-            renderer.render_by(plan, &of.program, &of.parameters, &ready.textures, share)?
+            let (program, parameters) = (&of.program, &of.parameters);
+            let textures = &ready.textures;
+            match &of.slicing {
+                None => renderer.render_by(plan, program, parameters, textures, share)?,
+                Some(slicing) => renderer
+                    .render_slices_by(plan, program, parameters, textures, slicing, share)?,
+            }
         }
     };
     let adapter = device.adapter().to_string();

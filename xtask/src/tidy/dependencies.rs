@@ -35,6 +35,8 @@ const MAY_KNOW: &[(&str, &[&str])] = &[
             "strahl-shader",
             "strahl-scene",
             "strahl-program",
+            // For tests only: they evaluate what is compiled.
+            "strahl-evaluate",
         ],
     ),
     (

@@ -4,7 +4,7 @@ use super::*;
 use std::fs;
 use strahl::{Backend, Image, Render, Scene, SceneFile};
 
-fn examples() -> PathBuf {
+pub fn examples() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/graphs")
 }
 
@@ -21,7 +21,7 @@ fn example(name: &str) -> Scene {
     scene
 }
 
-fn drawn(scene: &Scene, backend: Backend) -> Image {
+pub fn drawn(scene: &Scene, backend: Backend) -> Image {
     let render = Render::scene(scene.clone()).backend(backend);
     render
         .picture()
@@ -29,7 +29,7 @@ fn drawn(scene: &Scene, backend: Backend) -> Image {
         .image
 }
 
-fn has_gpu() -> bool {
+pub fn has_gpu() -> bool {
     let is_there = !strahl::gpu::adapters().is_empty();
     assert!(
         is_there || std::env::var("CI").as_deref() != Ok("true"),
@@ -39,7 +39,7 @@ fn has_gpu() -> bool {
 }
 
 /// Peak signal to noise in dB, of all channels; and the share of pixels with a channel off by more than 8/255.
-fn agreement(a: &Image, b: &Image) -> (f64, f64) {
+pub fn agreement(a: &Image, b: &Image) -> (f64, f64) {
     let (mut square, mut far) = (0.0, 0usize);
     for (p, q) in a.pixels().iter().zip(b.pixels()) {
         let off = (0..4).map(|c| f64::from((p[c] - q[c]).abs()));

@@ -10,6 +10,7 @@ mod library;
 mod pictures;
 mod shader;
 mod sim;
+mod slicing;
 #[cfg(unix)]
 mod stopping;
 

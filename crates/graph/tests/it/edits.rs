@@ -1,0 +1,217 @@
+//! Edits: what they do, and what they say when two want the same.
+
+use crate::{assert_says, parsed, pixels, showing};
+use strahl_graph::{
+    By, Edit, EditList, Edited, Graph, Kind, Node, Patterns, Problem, Reference, edited,
+};
+
+fn base() -> Graph {
+    parsed(&showing(
+        r#""u": { "uniform": "f32", "value": 0.25 }, "place": { "anchor": "u" }, "v": { "pattern": "rest_of", "inputs": { "a": "place" } }"#,
+        "v",
+    ))
+}
+
+fn list(name: &str, commands: Vec<Edit>) -> EditList {
+    EditList {
+        name: name.into(),
+        commands,
+    }
+}
+
+fn apply(lists: &[EditList]) -> Result<Edited, Vec<Problem>> {
+    edited(base(), lists, &Patterns::new())
+}
+
+fn value(edited: &Edited) -> f32 {
+    pixels(&edited.graph)[0][0]
+}
+
+fn twice(name: &str) -> Edit {
+    let node = Node::new(name, Kind::Pattern("multiply".into()));
+    Edit::Add(vec![node.input("b", 2.0)])
+}
+
+fn insert(node: &str, into: &str) -> Edit {
+    Edit::Insert {
+        node: node.into(),
+        into: into.into(),
+        input: None,
+        output: None,
+    }
+}
+
+#[test]
+fn connect_overrides_what_was_connected() {
+    let done = apply(&[list(
+        "mine",
+        vec![Edit::Connect(vec![("v.a".into(), 1.0.into())])],
+    )])
+    .unwrap();
+    assert_eq!(value(&done), 0.0);
+    assert!(done.conflicts.is_empty());
+}
+
+#[test]
+fn nodes_are_inserted_between() {
+    let done = apply(&[list("mine", vec![twice("t"), insert("t", "place")])]).unwrap();
+    assert_eq!(value(&done), 0.5);
+    // Two lists at one place stand one behind the other, without a conflict.
+    let lists = [
+        list("mine", vec![twice("t"), insert("t", "place")]),
+        list("yours", vec![twice("s"), insert("s", "place")]),
+    ];
+    let done = apply(&lists).unwrap();
+    assert_eq!(value(&done), 0.0);
+    assert!(done.conflicts.is_empty(), "{:?}", done.conflicts);
+}
+
+#[test]
+fn conflicts_name_both_places_and_the_later_counts() {
+    let connect = |number: f64| vec![Edit::Connect(vec![("v.a".into(), number.into())])];
+    let done = apply(&[list("mine", connect(1.0)), list("yours", connect(0.5))]).unwrap();
+    assert_eq!(value(&done), 0.5);
+    let [conflict] = &done.conflicts[..] else {
+        panic!("{:?}", done.conflicts)
+    };
+    assert_says(
+        &conflict.to_string(),
+        &[
+            "edits.yours.commands[0].connect.v.a",
+            "`mine`",
+            "edits.mine.commands[0].connect.v.a",
+            "later",
+        ],
+    );
+    // Within one list there is none: it means what it says.
+    let mut both = connect(1.0);
+    both.extend(connect(0.5));
+    assert!(apply(&[list("mine", both)]).unwrap().conflicts.is_empty());
+}
+
+#[test]
+fn nodes_of_two_lists_have_different_names() {
+    let problems = apply(&[
+        list("mine", vec![twice("t")]),
+        list("yours", vec![twice("t")]),
+    ])
+    .unwrap_err();
+    assert_says(
+        &problems[0].to_string(),
+        &[
+            "edits.yours.commands[0].add.t",
+            "there is a node `t` already",
+            "`mine`",
+            "edits.mine.commands[0].add.t",
+        ],
+    );
+}
+
+#[test]
+fn nodes_are_replaced_and_removed() {
+    let by = By::One(Reference::new("t"));
+    let commands = vec![
+        twice("t"),
+        Edit::Connect(vec![("t.a".into(), "u".into())]),
+        Edit::ReplaceNode {
+            node: "v".into(),
+            by,
+        },
+        Edit::Remove(vec!["v".into()]),
+    ];
+    let done = apply(&[list("mine", commands)]).unwrap();
+    assert_eq!(value(&done), 0.5);
+    assert!(done.graph.node("v").is_none());
+}
+
+#[test]
+fn what_is_not_there_is_named() {
+    let commands = vec![
+        Edit::Connect(vec![("w.a".into(), 1.0.into())]),
+        Edit::Remove(vec!["placee".into()]),
+        Edit::RemoveRoot(vec!["depth_mm".into()]),
+        insert("nothing", "place"),
+        Edit::ReplaceStage {
+            stage: "clasify".into(),
+            by: By::One(Reference::new("v")),
+        },
+        Edit::Set(vec![("q.x".into(), vec![1.0])]),
+    ];
+    let problems = apply(&[list("mine", commands)]).unwrap_err();
+    let text: Vec<_> = problems.iter().map(|p| p.to_string()).collect();
+    assert_eq!(problems.len(), 6, "{text:?}");
+    for (problem, parts) in text.iter().zip([
+        ["edits.mine.commands[0].connect.w.a", "no node `w`"],
+        ["edits.mine.commands[1].remove", "did you mean `place`"],
+        [
+            "edits.mine.commands[2].remove_root",
+            "no root `depth_mm`; there are color",
+        ],
+        ["edits.mine.commands[3].insert.node", "no node `nothing`"],
+        ["edits.mine.commands[4].replace.stage", "no stage `clasify`"],
+        ["edits.mine.commands[5].set.q.x", "no node `q`"],
+    ]) {
+        assert_says(problem, &parts);
+    }
+}
+
+#[test]
+fn roots_are_added_and_taken_away() {
+    let depth = vec![Edit::Root(vec![("depth_mm".into(), Reference::new("u"))])];
+    let done = apply(&[list("mine", depth.clone())]).unwrap();
+    assert_eq!(done.graph.roots.len(), 2);
+    let gone = vec![Edit::RemoveRoot(vec!["depth_mm".into()])];
+    let done = apply(&[list("mine", depth), list("yours", gone)]).unwrap();
+    assert_eq!(done.graph.roots.len(), 1);
+    assert_eq!(done.conflicts.len(), 1);
+}
+
+#[test]
+fn everything_is_replaced_and_says_whose_work_is_lost() {
+    let whole = Edit::Everything(parsed(&showing(
+        r#""w": { "uniform": "f32", "value": 9 }"#,
+        "w",
+    )));
+    let lists = [
+        list("mine", vec![twice("t"), insert("t", "place")]),
+        list("all", vec![whole]),
+    ];
+    let done = apply(&lists).unwrap();
+    assert_eq!(value(&done), 9.0);
+    assert_says(
+        &done.conflicts[0].to_string(),
+        &[
+            "edits.all.commands[0].everything",
+            "`mine`",
+            "edits.mine.commands[",
+        ],
+    );
+}
+
+#[test]
+fn loops_get_more_variables_and_values_are_set() {
+    let graph = parsed(&showing(
+        r#""n": { "uniform": "f32", "value": 2 },
+        "w": { "loop": { "carry": { "i": { "type": "f32", "start": 0, "next": "next" } }, "while": "go" } },
+        "go": { "pattern": "above", "inputs": { "a": "n", "b": "w.i" } },
+        "next": { "pattern": "add", "inputs": { "a": "w.i", "b": 1 } }"#,
+        "w.last.i",
+    ));
+    let carried = strahl_graph::Carried {
+        name: String::new(),
+        ty: Some("f32".into()),
+        start: Some(1.0.into()),
+        next: Some("double".into()),
+    };
+    let double = Node::new("double", Kind::Pattern("multiply".into()))
+        .input("a", "w.p")
+        .input("b", 2.0);
+    let commands = vec![
+        Edit::Add(vec![double]),
+        Edit::Carry(vec![("w.p".into(), carried)]),
+        Edit::Connect(vec![("out.x".into(), "w.last.p".into())]),
+        Edit::Set(vec![("n.value".into(), vec![5.0])]),
+    ];
+    let done = edited(graph, &[list("mine", commands)], &Patterns::new()).unwrap();
+    assert_eq!(value(&done), 32.0);
+}
