@@ -1,8 +1,8 @@
-//! Threads, tiles and skipping change no byte of a picture that the processor draws.
+//! Threads, tiles, skipping and instruction sets change no byte of a picture that the processor draws.
 
 use crate::random::{Random, seeds};
 use std::path::PathBuf;
-use strahl_cpu::{Options, Renderer, Stats, no_progress};
+use strahl_cpu::{InstructionSet, Options, Renderer, Stats, no_progress};
 use strahl_scene::plan::{Composite, Plan, Shade};
 use strahl_scene::{Method, Scene, Shading, ShadingModel, resolve};
 use strahl_volume::Volume;
@@ -25,6 +25,7 @@ fn plainly() -> Options {
         threads: 1,
         tile: WHOLE,
         skip: false,
+        instructions: Some(InstructionSet::Portable),
     }
 }
 
@@ -33,11 +34,14 @@ fn check(what: &str, volume: &Volume, plan: &Plan, ways: &[(usize, u32, bool)]) 
     let renderer = Renderer::new(volume);
     let (expected, plain) = draw(&renderer, plan, &plainly());
     let mut skipped = 0.0;
-    for &(threads, tile, skip) in ways {
+    // Every set that this processor has, in turns.
+    let sets = InstructionSet::ALL.into_iter().filter(|set| set.is_there());
+    for (&(threads, tile, skip), set) in ways.iter().zip(sets.cycle()) {
         let options = Options {
             threads,
             tile,
             skip,
+            instructions: Some(set),
         };
         let (found, stats) = draw(&renderer, plan, &options);
         if let Some(i) = (0..expected.len()).find(|&i| expected[i] != found[i]) {

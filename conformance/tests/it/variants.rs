@@ -597,6 +597,7 @@ fn skipping_changes_no_byte_of_any_variant() {
                 threads,
                 tile,
                 skip,
+                ..Options::default()
             };
             let drawn = match renderer.render(&plan, &options, &no_progress) {
                 Ok(drawn) => drawn,

@@ -5,17 +5,16 @@
 //! reduction are those of S. Moshier's Cephes library (`logf`, `expf`), with relative errors of a
 //! few 1e-7 on the arguments that occur here.
 
-use crate::lanes::{F32s, I32s, Mask, lanes};
+use crate::lanes::{F32s, I32s, Mask};
+use crate::levels::Level;
 
 /// The natural logarithm of positive, normal numbers.
 #[inline(always)]
-fn ln(x: F32s) -> F32s {
-    let bits = x.0.map(f32::to_bits);
+fn ln<S: Level>(x: F32s<S>) -> F32s<S> {
+    let bits = x.to_bits();
     // x = m · 2^e, m in [1/2, 1), then in [√½, √2) for a symmetric polynomial.
-    let m = F32s(lanes(|i| {
-        f32::from_bits((bits[i] & 0x007f_ffff) | 0x3f00_0000)
-    }));
-    let e = I32s(lanes(|i| (bits[i] >> 23) as i32 - 126)).to_f32s();
+    let m = bits.and(0x007f_ffff).or(0x3f00_0000).as_bits();
+    let e = (bits.shifted_down(23) - I32s::splat(126)).to_f32s();
     let low = m.lt(F32s::splat(std::f32::consts::FRAC_1_SQRT_2));
     let one = F32s::splat(1.0);
     let e = low.select(e - one, e);
@@ -41,7 +40,7 @@ fn ln(x: F32s) -> F32s {
 
 /// e^y − 1 for y ≤ 0.
 #[inline(always)]
-fn exp_m1(y: F32s) -> F32s {
+fn exp_m1<S: Level>(y: F32s<S>) -> F32s<S> {
     // Below this e^y is less than half an ulp of 1; also keeps 2^n a normal number.
     let y = y.max(F32s::splat(-80.0));
     // Truncation rounds y/ln 2 to the nearest whole number, as y ≤ 0.
@@ -59,14 +58,14 @@ fn exp_m1(y: F32s) -> F32s {
         p = p * r + F32s::splat(c);
     }
     let exp_m1_of_r = r + r * r * p;
-    let power = F32s(lanes(|i| f32::from_bits(((n.0[i] + 127) as u32) << 23)));
+    let power = (n + I32s::splat(127)).shifted_up(23).as_bits();
     // For n = 0, where the result may be small, this is exp_m1_of_r with all its digits.
     power * exp_m1_of_r + (power - F32s::splat(1.0))
 }
 
 /// 1 − (1 − a)^e for a in [0, 1] and e > 0, with full relative precision for small a.
 #[inline(always)]
-pub fn opacity_of_length(a: F32s, e: f32) -> F32s {
+pub fn opacity_of_length<S: Level>(a: F32s<S>, e: f32) -> F32s<S> {
     let one = F32s::splat(1.0);
     let rest = one - a;
     // ln(1 − a) by the quotient ln(u)/(u − 1) with the rounded u: W. Kahan's log1p.
@@ -75,22 +74,27 @@ pub fn opacity_of_length(a: F32s, e: f32) -> F32s {
     let safe = rest.max(F32s::splat(1e-8));
     let logarithm = small.select(-a, ln(safe) * a.over(lost));
     let corrected = -exp_m1(logarithm * F32s::splat(e));
-    rest.le(F32s::ZERO).select(one, corrected)
+    rest.le(F32s::zero()).select(one, corrected)
 }
 
 /// x^e for x in [0, 1] and e > 0.
 #[inline(always)]
-pub fn power_of_cosine(x: F32s, e: f32) -> F32s {
+pub fn power_of_cosine<S: Level>(x: F32s<S>, e: f32) -> F32s<S> {
     let tiny = F32s::splat(1e-30);
-    let usable: Mask = tiny.lt(x);
-    let logarithm = ln(x.max(tiny)).min(F32s::ZERO);
+    let usable: Mask<S> = tiny.lt(x);
+    let logarithm = ln(x.max(tiny)).min(F32s::zero());
     let power = exp_m1(logarithm * F32s::splat(e)) + F32s::splat(1.0);
-    usable.select(power, F32s::ZERO)
+    usable.select(power, F32s::zero())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::levels::Portable;
+
+    fn opacity(a: f32, e: f32) -> f32 {
+        opacity_of_length(F32s::<Portable>::splat(a), e).lane(0)
+    }
 
     #[test]
     fn opacity_of_length_matches_double_precision() {
@@ -99,7 +103,7 @@ mod tests {
                 // Dense near both ends.
                 let part = i as f32 / 20_000.0;
                 for a in [part, part * 1e-4, 1.0 - part * 1e-4] {
-                    let got = f64::from(opacity_of_length(F32s::splat(a), e).0[0]);
+                    let got = f64::from(opacity(a, e));
                     let want = -(f64::from(e) * (-f64::from(a)).ln_1p()).exp_m1();
                     let error = (got - want).abs();
                     assert!(
@@ -108,8 +112,8 @@ mod tests {
                     );
                 }
             }
-            assert_eq!(opacity_of_length(F32s::ZERO, e), F32s::ZERO);
-            assert_eq!(opacity_of_length(F32s::splat(1.0), e), F32s::splat(1.0));
+            assert_eq!(opacity(0.0, e), 0.0);
+            assert_eq!(opacity(1.0, e), 1.0);
         }
     }
 
@@ -118,7 +122,7 @@ mod tests {
         for e in [0.5f32, 1.0, 10.0, 32.0, 200.0] {
             for i in 0..=10_000 {
                 let x = i as f32 / 10_000.0;
-                let got = f64::from(power_of_cosine(F32s::splat(x), e).0[0]);
+                let got = f64::from(power_of_cosine(F32s::<Portable>::splat(x), e).lane(0));
                 let want = f64::from(x).powf(f64::from(e));
                 assert!(
                     (got - want).abs() <= 1e-5 * want + 1e-7,

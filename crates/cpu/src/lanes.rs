@@ -1,35 +1,39 @@
 //! Numbers for a packet of rays: one lane per ray.
 //!
-//! Plain arrays with plain loops, which the compiler turns into SIMD code of whatever width it may
-//! use. Every operation is IEEE single precision, lane by lane, and none is contracted (Rust never
-//! fuses a multiply with an add by itself), so a lane's result does not depend on that width.
+//! Generic over the instruction set ([`Level`]). Every operation is IEEE single precision, lane by lane,
+//! and none is fused with another, so that a lane's result does not depend on the set.
 
+use crate::levels::Level;
+use fearless_simd::{
+    Bytes, SimdBase, SimdFloat, SimdFrom, SimdMask, f32x16, f64x8, i32x16, mask32x16,
+};
 use std::ops::{Add, AddAssign, BitAnd, BitOr, Mul, Neg, Not, Sub};
 
-/// Rays per packet, a block of [`PACKET`] pixels.
-pub const LANES: usize = 8;
+/// Rays per packet, a block of [`PACKET`] pixels. Two of the widest vectors: while one waits for what it
+/// has gathered, the other one is worked on.
+pub const LANES: usize = 32;
 
 /// Columns and rows of pixels that a packet covers: blocks stay together in the volume better than
 /// rows do.
-pub const PACKET: [usize; 2] = [4, 2];
+pub const PACKET: [usize; 2] = [8, 4];
+
+/// Lanes of a vector.
+const HALF: usize = 16;
 
 /// A number per ray.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[repr(C, align(32))]
-pub struct F32s(pub [f32; LANES]);
+#[derive(Clone, Copy)]
+pub struct F32s<S: Level>([f32x16<S>; 2]);
 
 /// A whole number per ray.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(C, align(32))]
-pub struct I32s(pub [i32; LANES]);
+#[derive(Clone, Copy)]
+pub struct I32s<S: Level>([i32x16<S>; 2]);
 
-/// Yes or no per ray: all bits set or none.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(C, align(32))]
-pub struct Mask(pub [u32; LANES]);
+/// Yes or no per ray.
+#[derive(Clone, Copy)]
+pub struct Mask<S: Level>([mask32x16<S>; 2]);
 
 /// A point, a direction or a colour per ray.
-pub type Vec3s = [F32s; 3];
+pub type Vec3s<S> = [F32s<S>; 3];
 
 /// Calls `f` for every lane.
 #[inline(always)]
@@ -41,141 +45,328 @@ pub fn lanes<T: Copy + Default>(f: impl Fn(usize) -> T) -> [T; LANES] {
     out
 }
 
-impl F32s {
+/// The same expression for each component. (Closures that are called thrice, as the standard library's
+/// `map` of arrays does, are not sure to be inlined, and so would not be compiled for the level.)
+macro_rules! each {
+    ($v:expr, |$x:ident| $f:expr $(,)?) => {{
+        let [first, second, third] = $v;
+        [
+            {
+                let $x = first;
+                $f
+            },
+            {
+                let $x = second;
+                $f
+            },
+            {
+                let $x = third;
+                $f
+            },
+        ]
+    }};
+}
+pub(crate) use each;
+
+/// The same expression for each vector.
+macro_rules! both {
+    ($a:expr, |$x:ident| $f:expr) => {{
+        let [first, second] = $a;
+        [
+            {
+                let $x = first;
+                $f
+            },
+            {
+                let $x = second;
+                $f
+            },
+        ]
+    }};
+}
+
+/// The same expression for each pair of vectors.
+macro_rules! pairs {
+    ($a:expr, $b:expr, |$x:ident, $y:ident| $f:expr) => {{
+        let ([first, second], [third, fourth]) = ($a, $b);
+        [
+            {
+                let ($x, $y) = (first, third);
+                $f
+            },
+            {
+                let ($x, $y) = (second, fourth);
+                $f
+            },
+        ]
+    }};
+}
+
+/// The first or the second half of the lanes.
+#[inline(always)]
+fn half<T: Copy + Default>(values: &[T; LANES], vector: usize) -> [T; HALF] {
+    let mut half = [T::default(); HALF];
+    half.copy_from_slice(&values[vector * HALF..(vector + 1) * HALF]);
+    half
+}
+
+impl<S: Level> F32s<S> {
     /// 0 in every lane.
-    pub const ZERO: F32s = F32s([0.0; LANES]);
+    #[inline(always)]
+    pub fn zero() -> F32s<S> {
+        F32s::splat(0.0)
+    }
 
     /// The same number in every lane.
     #[inline(always)]
-    pub fn splat(value: f32) -> F32s {
-        F32s([value; LANES])
+    pub fn splat(value: f32) -> F32s<S> {
+        F32s([f32x16::splat(S::proof(), value); 2])
     }
 
-    /// The smaller number; `other` where this one is NaN.
+    /// A number for each lane.
     #[inline(always)]
-    pub fn min(self, other: F32s) -> F32s {
-        F32s(lanes(|i| {
-            if self.0[i] < other.0[i] {
-                self.0[i]
-            } else {
-                other.0[i]
-            }
+    pub fn from_array(values: [f32; LANES]) -> F32s<S> {
+        F32s(both!([0, 1], |vector| {
+            f32x16::simd_from(S::proof(), half(&values, vector))
         }))
     }
 
-    /// The larger number; `other` where this one is NaN.
+    /// From doubles, eight lanes each, rounded to the nearest single.
     #[inline(always)]
-    pub fn max(self, other: F32s) -> F32s {
-        F32s(lanes(|i| {
-            if self.0[i] > other.0[i] {
-                self.0[i]
-            } else {
-                other.0[i]
-            }
-        }))
+    pub fn from_doubles(eights: [f64x8<S>; 4]) -> F32s<S> {
+        let [a, b, c, d] = eights;
+        F32s([S::proof().narrow_f64x8(a, b), S::proof().narrow_f64x8(c, d)])
+    }
+
+    /// As doubles, exactly, eight lanes each.
+    #[inline(always)]
+    pub fn to_doubles(self) -> [f64x8<S>; 4] {
+        let (a, b) = S::proof().widen_f32x16(self.0[0]);
+        let (c, d) = S::proof().widen_f32x16(self.0[1]);
+        [a, b, c, d]
+    }
+
+    /// The number of one lane.
+    #[inline(always)]
+    pub fn lane(&self, lane: usize) -> f32 {
+        self.0[lane / HALF][lane % HALF]
+    }
+
+    /// The smaller number; `other` where either is NaN.
+    #[inline(always)]
+    pub fn min(self, other: F32s<S>) -> F32s<S> {
+        F32s(pairs!(self.0, other.0, |a, b| S::proof().lesser(a, b)))
+    }
+
+    /// The larger number; `other` where either is NaN.
+    #[inline(always)]
+    pub fn max(self, other: F32s<S>) -> F32s<S> {
+        F32s(pairs!(self.0, other.0, |a, b| S::proof().greater(a, b)))
     }
 
     /// Without the sign.
     #[inline(always)]
-    pub fn abs(self) -> F32s {
-        F32s(lanes(|i| self.0[i].abs()))
+    pub fn abs(self) -> F32s<S> {
+        F32s(both!(self.0, |a| a.abs()))
     }
 
     /// The square root, correctly rounded.
     #[inline(always)]
-    pub fn sqrt(self) -> F32s {
-        F32s(lanes(|i| self.0[i].sqrt()))
+    pub fn sqrt(self) -> F32s<S> {
+        F32s(both!(self.0, |a| a.sqrt()))
     }
 
     /// The largest whole number that is not larger.
     #[inline(always)]
-    pub fn floor(self) -> F32s {
-        F32s(lanes(|i| self.0[i].floor()))
+    pub fn floor(self) -> F32s<S> {
+        F32s(both!(self.0, |a| a.floor()))
     }
 
-    /// Towards zero, saturating; NaN gives 0.
+    /// Towards zero; numbers beyond i32 and NaN give any number.
     #[inline(always)]
-    pub fn to_i32s(self) -> I32s {
-        I32s(lanes(|i| self.0[i] as i32))
+    pub fn to_i32s(self) -> I32s<S> {
+        I32s(both!(self.0, |a| S::proof().cvt_i32_f32x16(a)))
+    }
+
+    /// The bits of the numbers.
+    #[inline(always)]
+    pub fn to_bits(self) -> I32s<S> {
+        I32s(both!(self.0, |a| a.bitcast()))
     }
 
     /// Where this is less.
     #[inline(always)]
-    pub fn lt(self, other: F32s) -> Mask {
-        Mask(lanes(|i| mask(self.0[i] < other.0[i])))
+    pub fn lt(self, other: F32s<S>) -> Mask<S> {
+        Mask(pairs!(self.0, other.0, |a, b| a.simd_lt(b)))
     }
 
     /// Where this is less or equal.
     #[inline(always)]
-    pub fn le(self, other: F32s) -> Mask {
-        Mask(lanes(|i| mask(self.0[i] <= other.0[i])))
+    pub fn le(self, other: F32s<S>) -> Mask<S> {
+        Mask(pairs!(self.0, other.0, |a, b| a.simd_le(b)))
     }
 
     /// Where both are equal.
     #[inline(always)]
-    pub fn eq(self, other: F32s) -> Mask {
-        Mask(lanes(|i| mask(self.0[i] == other.0[i])))
+    pub fn eq(self, other: F32s<S>) -> Mask<S> {
+        Mask(pairs!(self.0, other.0, |a, b| a.simd_eq(b)))
     }
 
     /// Where this is neither infinite nor NaN.
     #[inline(always)]
-    pub fn is_finite(self) -> Mask {
+    pub fn is_finite(self) -> Mask<S> {
         self.abs().lt(F32s::splat(f32::INFINITY))
     }
 
     /// From `self` (part 0) to `to` (part 1).
     #[inline(always)]
-    pub fn lerp(self, to: F32s, part: F32s) -> F32s {
+    pub fn lerp(self, to: F32s<S>, part: F32s<S>) -> F32s<S> {
         self + (to - self) * part
     }
 
     /// Quotient, correctly rounded.
     #[inline(always)]
-    pub fn over(self, divisor: F32s) -> F32s {
-        F32s(lanes(|i| self.0[i] / divisor.0[i]))
+    pub fn over(self, divisor: F32s<S>) -> F32s<S> {
+        F32s(pairs!(self.0, divisor.0, |a, b| a / b))
     }
 }
 
-impl I32s {
+/// The numbers of `rows` at `indices`, one of each row in a vector.
+///
+/// # Safety
+/// There is a row for every index.
+#[inline(always)]
+pub unsafe fn rows<S: Level>(rows: &[[f32; 4]], indices: I32s<S>) -> [F32s<S>; 4] {
+    // SAFETY: as the caller promises.
+    let [a, b] = both!(indices.0, |indices| unsafe {
+        S::proof().rows(rows, indices)
+    });
+    [
+        F32s([a[0], b[0]]),
+        F32s([a[1], b[1]]),
+        F32s([a[2], b[2]]),
+        F32s([a[3], b[3]]),
+    ]
+}
+
+/// The little-endian words of four bytes at `offsets`, in bytes.
+///
+/// # Safety
+/// `offset .. offset + 4` lies inside `bytes` for every lane.
+#[inline(always)]
+pub unsafe fn words<S: Level>(bytes: &[u8], offsets: I32s<S>) -> I32s<S> {
+    I32s(both!(offsets.0, |offsets| {
+        // SAFETY: as the caller promises.
+        unsafe { S::proof().words(bytes, offsets) }.bitcast()
+    }))
+}
+
+impl<S: Level> I32s<S> {
+    /// The same number in every lane.
+    #[inline(always)]
+    pub fn splat(value: i32) -> I32s<S> {
+        I32s([i32x16::splat(S::proof(), value); 2])
+    }
+
+    /// The number of one lane.
+    #[inline(always)]
+    pub fn lane(&self, lane: usize) -> i32 {
+        self.0[lane / HALF][lane % HALF]
+    }
+
     /// The nearest number.
     #[inline(always)]
-    pub fn to_f32s(self) -> F32s {
-        F32s(lanes(|i| self.0[i] as f32))
+    pub fn to_f32s(self) -> F32s<S> {
+        F32s(both!(self.0, |a| S::proof().cvt_f32_i32x16(a)))
+    }
+
+    /// The numbers with these bits.
+    #[inline(always)]
+    pub fn as_bits(self) -> F32s<S> {
+        F32s(both!(self.0, |a| a.bitcast()))
     }
 
     /// The smaller number.
     #[inline(always)]
-    pub fn min(self, other: i32) -> I32s {
-        I32s(lanes(|i| self.0[i].min(other)))
+    pub fn min(self, other: i32) -> I32s<S> {
+        let other = I32s::<S>::splat(other).0;
+        I32s(pairs!(self.0, other, |a, b| S::proof().min_i32x16(a, b)))
     }
 
     /// The larger number.
     #[inline(always)]
-    pub fn max(self, other: i32) -> I32s {
-        I32s(lanes(|i| self.0[i].max(other)))
+    pub fn max(self, other: i32) -> I32s<S> {
+        let other = I32s::<S>::splat(other).0;
+        I32s(pairs!(self.0, other, |a, b| S::proof().max_i32x16(a, b)))
+    }
+
+    /// Where this is less.
+    #[inline(always)]
+    pub fn lt(self, other: I32s<S>) -> Mask<S> {
+        Mask(pairs!(self.0, other.0, |a, b| a.simd_lt(b)))
+    }
+
+    /// The bits that both have.
+    #[inline(always)]
+    pub fn both(self, other: I32s<S>) -> I32s<S> {
+        I32s(pairs!(self.0, other.0, |a, b| a & b))
+    }
+
+    /// The bits that both have.
+    #[inline(always)]
+    pub fn and(self, other: i32) -> I32s<S> {
+        let other = I32s::<S>::splat(other).0;
+        I32s(pairs!(self.0, other, |a, b| a & b))
+    }
+
+    /// The bits that either has.
+    #[inline(always)]
+    pub fn or(self, other: i32) -> I32s<S> {
+        let other = I32s::<S>::splat(other).0;
+        I32s(pairs!(self.0, other, |a, b| a | b))
+    }
+
+    /// Divided by 2^`bits`, rounded down.
+    #[inline(always)]
+    pub fn shifted_down(self, bits: u32) -> I32s<S> {
+        I32s(both!(self.0, |a| a >> bits))
+    }
+
+    /// Times 2^`bits`.
+    #[inline(always)]
+    pub fn shifted_up(self, bits: u32) -> I32s<S> {
+        I32s(both!(self.0, |a| a << bits))
     }
 }
 
-#[inline(always)]
-fn mask(yes: bool) -> u32 {
-    if yes { u32::MAX } else { 0 }
-}
-
-impl Mask {
+impl<S: Level> Mask<S> {
     /// No ray.
-    pub const NONE: Mask = Mask([0; LANES]);
-
-    /// `yes` where set, `no` elsewhere.
     #[inline(always)]
-    pub fn select(self, yes: F32s, no: F32s) -> F32s {
-        F32s(lanes(|i| {
-            f32::from_bits((yes.0[i].to_bits() & self.0[i]) | (no.0[i].to_bits() & !self.0[i]))
-        }))
+    pub fn none() -> Mask<S> {
+        Mask([mask32x16::splat(S::proof(), false); 2])
     }
 
     /// `yes` where set, `no` elsewhere.
     #[inline(always)]
-    pub fn select3(self, yes: Vec3s, no: Vec3s) -> Vec3s {
+    pub fn select(self, yes: F32s<S>, no: F32s<S>) -> F32s<S> {
+        F32s([
+            S::proof().select_f32x16(self.0[0], yes.0[0], no.0[0]),
+            S::proof().select_f32x16(self.0[1], yes.0[1], no.0[1]),
+        ])
+    }
+
+    /// `yes` where set, `no` elsewhere.
+    #[inline(always)]
+    pub fn select_i32s(self, yes: I32s<S>, no: I32s<S>) -> I32s<S> {
+        I32s([
+            S::proof().select_i32x16(self.0[0], yes.0[0], no.0[0]),
+            S::proof().select_i32x16(self.0[1], yes.0[1], no.0[1]),
+        ])
+    }
+
+    /// `yes` where set, `no` elsewhere.
+    #[inline(always)]
+    pub fn select3(self, yes: Vec3s<S>, no: Vec3s<S>) -> Vec3s<S> {
         [
             self.select(yes[0], no[0]),
             self.select(yes[1], no[1]),
@@ -186,112 +377,125 @@ impl Mask {
     /// Whether any ray is set.
     #[inline(always)]
     pub fn any(self) -> bool {
-        self.0.iter().fold(0, |bits, &lane| bits | lane) != 0
+        (self.0[0] | self.0[1]).any_true()
     }
 
     /// Number of rays set.
     #[inline(always)]
     pub fn count(self) -> u64 {
-        self.0.iter().fold(0, |n, &lane| n + (lane & 1)) as u64
+        let [a, b] = both!(self.0, |mask| u64::from(mask.to_bitmask().count_ones()));
+        a + b
     }
 }
 
 macro_rules! lanewise {
-    ($($trait:ident $method:ident $type:ident $op:tt;)*) => {$(
-        impl $trait for $type {
-            type Output = $type;
+    ($($trait:ident $method:ident $type:ident;)*) => {$(
+        impl<S: Level> $trait for $type<S> {
+            type Output = $type<S>;
             #[inline(always)]
-            fn $method(self, other: $type) -> $type {
-                $type(lanes(|i| self.0[i] $op other.0[i]))
+            fn $method(self, other: $type<S>) -> $type<S> {
+                $type(pairs!(self.0, other.0, |a, b| $trait::$method(a, b)))
             }
         }
     )*};
 }
 
 lanewise! {
-    Add add F32s +;
-    Sub sub F32s -;
-    Mul mul F32s *;
-    Add add I32s +;
-    Sub sub I32s -;
-    Mul mul I32s *;
-    BitAnd bitand Mask &;
-    BitOr bitor Mask |;
+    Add add F32s;
+    Sub sub F32s;
+    Mul mul F32s;
+    Add add I32s;
+    Sub sub I32s;
+    Mul mul I32s;
+    BitAnd bitand Mask;
+    BitOr bitor Mask;
 }
 
-impl Not for Mask {
-    type Output = Mask;
+impl<S: Level> Not for Mask<S> {
+    type Output = Mask<S>;
     #[inline(always)]
-    fn not(self) -> Mask {
-        Mask(lanes(|i| !self.0[i]))
+    fn not(self) -> Mask<S> {
+        Mask(both!(self.0, |a| !a))
     }
 }
 
-impl Neg for F32s {
-    type Output = F32s;
+impl<S: Level> Neg for F32s<S> {
+    type Output = F32s<S>;
     #[inline(always)]
-    fn neg(self) -> F32s {
-        F32s(lanes(|i| -self.0[i]))
+    fn neg(self) -> F32s<S> {
+        F32s(both!(self.0, |a| -a))
     }
 }
 
-impl AddAssign for F32s {
+impl<S: Level> AddAssign for F32s<S> {
     #[inline(always)]
-    fn add_assign(&mut self, other: F32s) {
+    fn add_assign(&mut self, other: F32s<S>) {
         *self = *self + other;
     }
 }
 
 /// a + b·s.
 #[inline(always)]
-pub fn along(a: Vec3s, b: Vec3s, s: F32s) -> Vec3s {
+pub fn along<S: Level>(a: Vec3s<S>, b: Vec3s<S>, s: F32s<S>) -> Vec3s<S> {
     [a[0] + b[0] * s, a[1] + b[1] * s, a[2] + b[2] * s]
 }
 
 /// a · b.
 #[inline(always)]
-pub fn dot(a: Vec3s, b: Vec3s) -> F32s {
+pub fn dot<S: Level>(a: Vec3s<S>, b: Vec3s<S>) -> F32s<S> {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 /// a·s.
 #[inline(always)]
-pub fn scale(a: Vec3s, s: F32s) -> Vec3s {
+pub fn scale<S: Level>(a: Vec3s<S>, s: F32s<S>) -> Vec3s<S> {
     [a[0] * s, a[1] * s, a[2] * s]
 }
 
-/// `v` scaled to unit length, and where it has a direction. Divided by its largest component first:
-/// the square of a small gradient would underflow.
+/// Powers of two p, 1/p with 1 ≤ largest·p < 2 (or less where `largest` is subnormal).
 #[inline(always)]
-pub fn unit(v: Vec3s) -> (Vec3s, Mask) {
-    let largest = v[0].abs().max(v[1].abs()).max(v[2].abs());
-    // NaN anywhere makes the sum NaN, which compares with nothing.
-    let sum = v[0].abs() + v[1].abs() + v[2].abs();
-    let usable = F32s::ZERO.lt(largest) & sum.lt(F32s::splat(f32::INFINITY));
-    let divisor = usable.select(largest, F32s::splat(1.0));
-    let v = v.map(|c| usable.select(c, F32s::ZERO).over(divisor));
-    let length = usable.select(dot(v, v).sqrt(), F32s::splat(1.0));
-    (v.map(|c| c.over(length)), usable)
+fn power_of_two<S: Level>(largest: F32s<S>) -> [F32s<S>; 2] {
+    // Exponents from that of the smallest normal number to one whose inverse is normal.
+    let exponent = largest.to_bits().shifted_down(23).max(1).min(253);
+    let inverse = I32s::splat(254) - exponent;
+    [
+        inverse.shifted_up(23).as_bits(),
+        exponent.shifted_up(23).as_bits(),
+    ]
+}
+
+/// `v` scaled to unit length, and where it has a direction. Scaled by a power of two first: the square
+/// of a small gradient would underflow.
+#[inline(always)]
+pub fn unit<S: Level>(v: Vec3s<S>) -> (Vec3s<S>, Mask<S>) {
+    let (v, length, _, usable) = scaled(v);
+    let inverse = F32s::splat(1.0).over(usable.select(length, F32s::splat(1.0)));
+    (each!(v, |c| c * inverse), usable)
 }
 
 /// The length of `v`, 0 where it is not finite.
 #[inline(always)]
-pub fn length(v: Vec3s) -> F32s {
+pub fn length<S: Level>(v: Vec3s<S>) -> F32s<S> {
+    let (_, length, scale, usable) = scaled(v);
+    usable.select(length * scale, F32s::zero())
+}
+
+/// `v` by a power of two, its length, what brings that back, and where `v` has a length.
+#[inline(always)]
+fn scaled<S: Level>(v: Vec3s<S>) -> (Vec3s<S>, F32s<S>, F32s<S>, Mask<S>) {
     let largest = v[0].abs().max(v[1].abs()).max(v[2].abs());
-    let (direction, usable) = unit(v);
-    // v = length · direction: the component that is largest divides safely.
-    let steepest = direction[0]
-        .abs()
-        .max(direction[1].abs())
-        .max(direction[2].abs());
-    let length = largest.over(usable.select(steepest, F32s::splat(1.0)));
-    usable.select(length, F32s::ZERO)
+    // NaN anywhere makes the sum NaN, which compares with nothing.
+    let sum = v[0].abs() + v[1].abs() + v[2].abs();
+    let usable = F32s::zero().lt(largest) & sum.lt(F32s::splat(f32::INFINITY));
+    let [down, up] = power_of_two(largest);
+    let v = each!(v, |c| usable.select(c * down, F32s::zero()));
+    (v, dot(v, v).sqrt(), up, usable)
 }
 
 /// The same vector in every lane.
 #[inline(always)]
-pub fn splat3(v: [f32; 3]) -> Vec3s {
-    v.map(F32s::splat)
+pub fn splat3<S: Level>(v: [f32; 3]) -> Vec3s<S> {
+    each!(v, |c| F32s::splat(c))
 }
 
 /// An affine map with single precision: rows of the matrix, last column the translation.
@@ -307,8 +511,8 @@ impl Affine {
 
     /// The image of a point.
     #[inline(always)]
-    pub fn point(&self, p: Vec3s) -> Vec3s {
-        self.0.map(|row| {
+    pub fn point<S: Level>(&self, p: Vec3s<S>) -> Vec3s<S> {
+        each!(self.0, |row| {
             p[0] * F32s::splat(row[0])
                 + p[1] * F32s::splat(row[1])
                 + p[2] * F32s::splat(row[2])

@@ -4,7 +4,8 @@
 //! it. A picture has the same bytes whatever the number of threads, the size of tiles and the SIMD
 //! width, and with skipping or without.
 //!
-//! Inside, `march` holds the one ray loop; it goes over packets of rays (`lanes`) and calls the
+//! Inside, `march` holds the one ray loop, compiled for each instruction set (`levels`); it goes over
+//! packets of rays (`lanes`, and `doubles` where the lattice is laid) and calls the
 //! functions of the slots (`library`). `skip` says which lattice points cannot matter, `tiles`
 //! spreads the picture over the cores.
 //!
@@ -24,8 +25,10 @@
 
 #![warn(missing_docs)]
 
+mod doubles;
 mod elementary;
 mod lanes;
+mod levels;
 mod library;
 mod march;
 mod meshes;
@@ -34,6 +37,9 @@ mod scenery;
 mod skip;
 mod tiles;
 
+pub use levels::InstructionSet;
+
+use levels::{Level, Task, dispatch};
 use library::fetch::{MarschnerLobb, Noise, Shape};
 use library::jitter::Jitters;
 use library::reconstruct::{Values, of_fetch, values};
@@ -41,7 +47,7 @@ use library::shade::Shading;
 use march::Counts;
 use meshes::Meshes;
 use scenery::{Object, Scenery};
-use skip::Skip;
+use skip::{Recent, Skip};
 use std::ops::ControlFlow;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
@@ -64,6 +70,8 @@ pub struct Renderer<'v> {
     /// Of each volume.
     bricks: Vec<Bricks>,
     bricks_seconds: f64,
+    /// What is known of them.
+    recent: Recent,
     /// Of the volume with this number: made when a Plan first asks for it.
     coefficients: Mutex<Vec<Option<Arc<Coefficients>>>>,
     meshes: Meshes,
@@ -84,6 +92,9 @@ pub struct Options {
     pub tile: u32,
     /// Whether bricks that cannot show anything are left out.
     pub skip: bool,
+    /// The instructions to draw with; `None` takes what `STRAHL_SIMD` says, or the fastest that the
+    /// processor has.
+    pub instructions: Option<InstructionSet>,
 }
 
 impl Default for Options {
@@ -92,6 +103,7 @@ impl Default for Options {
             threads: 0,
             tile: 32,
             skip: true,
+            instructions: None,
         }
     }
 }
@@ -193,6 +205,14 @@ pub enum Error {
         /// The shortest possible step.
         least_mm: f64,
     },
+    /// The option `instructions`, or the environment variable `STRAHL_SIMD`, names no set that there is.
+    #[error(
+        "there are no instructions {value:?} on this processor; set STRAHL_SIMD (or the option) to avx512, avx2 or portable, or leave it out for the fastest that it has"
+    )]
+    NoSuchInstructions {
+        /// What it names.
+        value: String,
+    },
     /// The option `tile` is 0.
     #[error("tile is 0; allowed: 1 and above")]
     NoTile,
@@ -206,6 +226,23 @@ pub enum Error {
     },
 }
 
+/// A picture to be drawn with any instruction set.
+struct Drawing<'d, 'v> {
+    renderer: &'d Renderer<'v>,
+    plan: &'d Plan,
+    options: &'d Options,
+    progress: Progress<'d>,
+}
+
+impl Task for Drawing<'_, '_> {
+    type Output = Result<Rendered, Error>;
+
+    fn run<S: Level>(self) -> Result<Rendered, Error> {
+        self.renderer
+            .draw::<S>(self.plan, self.options, self.progress)
+    }
+}
+
 impl<'v> Renderer<'v> {
     /// Prepares `data`, one volume or more, on all cores.
     pub fn new(data: impl Into<Datasets<'v>>) -> Renderer<'v> {
@@ -215,9 +252,10 @@ impl<'v> Renderer<'v> {
             bricks: data
                 .volumes
                 .iter()
-                .map(|volume| Bricks::new(volume))
+                .map(|volume| Bricks::with_edge(volume, Skip::EDGE))
                 .collect(),
             bricks_seconds: start.elapsed().as_secs_f64(),
+            recent: Recent::default(),
             coefficients: Mutex::new(vec![None; data.volumes.len()]),
             meshes: Meshes::new(&data.meshes),
             data,
@@ -237,8 +275,23 @@ impl<'v> Renderer<'v> {
         progress: Progress,
     ) -> Result<Rendered, Error> {
         self.check(plan, options)?;
+        let set = match options.instructions {
+            Some(set) => set,
+            None => InstructionSet::from_environment()?,
+        };
+        if !set.is_there() {
+            return Err(Error::NoSuchInstructions {
+                value: set.to_string(),
+            });
+        }
+        let drawing = Drawing {
+            renderer: self,
+            plan,
+            options,
+            progress,
+        };
         if options.threads == 0 {
-            return self.draw(plan, options, progress);
+            return dispatch(set, drawing);
         }
         rayon::ThreadPoolBuilder::new()
             .num_threads(options.threads)
@@ -247,7 +300,7 @@ impl<'v> Renderer<'v> {
                 threads: options.threads,
                 why: why.to_string(),
             })?
-            .install(|| self.draw(plan, options, progress))
+            .install(|| dispatch(set, drawing))
     }
 
     fn check(&self, plan: &Plan, options: &Options) -> Result<(), Error> {
@@ -319,19 +372,19 @@ impl<'v> Renderer<'v> {
         let of_volume = &mut known[object.volume];
         if of_volume.is_none() {
             let volume = self.data.volumes[object.volume].b_spline_coefficients()?;
-            let bricks = Bricks::new(&volume);
+            let bricks = Bricks::with_edge(&volume, Skip::EDGE);
             *of_volume = Some(Arc::new(Coefficients { volume, bricks }));
         }
         Ok(of_volume.clone())
     }
 
     /// The values of an object: slots fetch and reconstruct.
-    fn values<'a>(
+    fn values<'a, S: Level>(
         &'a self,
         plan: &Plan,
         object: &PlanObject,
         coefficients: Option<&'a Coefficients>,
-    ) -> Box<dyn Values + 'a> {
+    ) -> Box<dyn Values<S> + 'a> {
         let shape = Shape::new(&object.grid);
         match (plan.fetch, coefficients) {
             (Fetch::MarschnerLobb { frequency, alpha }, _) => {
@@ -369,7 +422,12 @@ impl<'v> Renderer<'v> {
         }
     }
 
-    fn draw(&self, plan: &Plan, options: &Options, progress: Progress) -> Result<Rendered, Error> {
+    fn draw<S: Level>(
+        &self,
+        plan: &Plan,
+        options: &Options,
+        progress: Progress,
+    ) -> Result<Rendered, Error> {
         let start = Instant::now();
         let coefficients = plan
             .objects
@@ -382,7 +440,7 @@ impl<'v> Renderer<'v> {
             .zip(&coefficients)
             .map(|(object, coefficients)| self.values(plan, object, coefficients.as_deref()))
             .collect();
-        let masks: Vec<Box<dyn Values + '_>> = self
+        let masks: Vec<Box<dyn Values<S> + '_>> = self
             .data
             .masks
             .iter()
@@ -398,7 +456,7 @@ impl<'v> Renderer<'v> {
             };
             let skip = options
                 .skip
-                .then(|| Skip::new(bricks, plan, index))
+                .then(|| Skip::new(&self.recent, bricks, plan, index))
                 .flatten();
             Object::new(plan, index, &*sources[index], &masks, skip)
         };

@@ -4,13 +4,16 @@
 //! which lattice points are left out. Slots are chosen once per packet step, so that free
 //! composition costs next to nothing.
 
-use crate::lanes::{F32s, LANES, Mask, Vec3s, lanes, length, unit};
+use crate::doubles::F64s;
+use crate::lanes::{F32s, LANES, Mask, Vec3s, each, lanes, length, unit};
+use crate::levels::{Level, inlined, vectorized};
 use crate::library::classify::Surface;
 use crate::library::composite::{
     State, average, debug, emission_absorption, first_hit, maximum, mida, minimum,
 };
 use crate::ray::{Line, RayPacket};
 use crate::scenery::{Look, Object, Scenery};
+use crate::skip::Skip;
 use strahl_scene::plan::{Composite, DebugView, Shade};
 
 /// What a packet of rays has cost.
@@ -39,31 +42,32 @@ pub struct Seen {
 }
 
 /// The rays of a packet on their way.
-struct Packet<'s> {
-    scenery: &'s Scenery<'s>,
-    rays: &'s RayPacket,
-    to_eye: Vec3s,
-    state: State,
-    sampled: F32s,
-    visible: F32s,
-    skipped: F32s,
+struct Packet<'s, S: Level> {
+    scenery: &'s Scenery<'s, S>,
+    rays: &'s RayPacket<S>,
+    to_eye: Vec3s<S>,
+    state: State<S>,
+    sampled: F32s<S>,
+    visible: F32s<S>,
+    skipped: F32s<S>,
 }
 
-impl Scenery<'_> {
+impl<S: Level> Scenery<'_, S> {
     /// What a packet of rays sees.
-    pub fn march(&self, rays: &RayPacket, counts: &mut Counts) -> Seen {
+    #[inline(always)]
+    pub fn march(&self, rays: &RayPacket<S>, counts: &mut Counts) -> Seen {
         let mut packet = Packet {
             scenery: self,
             rays,
-            to_eye: rays.direction.map(|d| -d),
+            to_eye: each!(rays.direction, |d| -d),
             state: State::start(match self.plan.composite {
                 Composite::Mip => maximum::START,
                 Composite::MinIp => minimum::START,
                 _ => 0.0,
             }),
-            sampled: F32s::ZERO,
-            visible: F32s::ZERO,
-            skipped: F32s::ZERO,
+            sampled: F32s::zero(),
+            visible: F32s::zero(),
+            skipped: F32s::zero(),
         };
         let walked = match (self.objects.as_slice(), self.plan.composite) {
             ([object], Composite::BackToFront) => packet.backwards(object),
@@ -71,7 +75,7 @@ impl Scenery<'_> {
             (_, Composite::BackToFront) => packet.backwards_through_several(),
             _ => packet.forwards_through_several(),
         };
-        let in_volume = F32s::ZERO.lt(rays.count);
+        let in_volume = F32s::zero().lt(rays.count);
         counts.points += sum(rays.count);
         counts.samples += sum(packet.sampled);
         counts.visible += sum(packet.visible);
@@ -82,18 +86,24 @@ impl Scenery<'_> {
     }
 }
 
-impl Packet<'_> {
+impl<S: Level> Packet<'_, S> {
     /// Front to back through one volume; how many lattice points each ray has walked.
-    fn forwards(&mut self, object: &Object) -> F32s {
+    #[inline(always)]
+    fn forwards(&mut self, object: &Object<S>) -> F32s<S> {
         let (rays, line) = (self.rays, &self.rays.lines[0]);
         let one = F32s::splat(1.0);
-        let mut k = F32s::ZERO;
+        let mut k = F32s::zero();
         let mut live = k.lt(rays.count);
+        let bound = match &object.skip {
+            Some(skip) if skip.is_of_largest() => self.least_maximum(object, skip, line),
+            _ => self.state.value,
+        };
         while live.any() {
             let position = line.position(k + rays.jitter);
             if let Some(skip) = &object.skip {
-                let jump = skip.jump(object.values.shape(), line, position, &self.state);
-                let empty = live & F32s::ZERO.lt(jump);
+                let seen = bound.max(self.state.value);
+                let jump = skip.jump(object.values.shape(), line, position, seen);
+                let empty = live & F32s::zero().lt(jump);
                 if empty.any() {
                     // The others wait, so that sampling happens for as many rays as possible.
                     let next = empty.select((k + jump).min(rays.count), k);
@@ -109,7 +119,7 @@ impl Packet<'_> {
                 // What is not finite is no value: no rule counts it.
                 let sampled = sampled & value.is_finite();
                 let visible = self.add(object, line, k, position, sampled, value);
-                self.visible += visible.select(one, F32s::ZERO);
+                self.visible += visible.select(one, F32s::zero());
             }
             k = live.select(k + one, k);
             live = live & k.lt(rays.count) & !self.done();
@@ -117,33 +127,86 @@ impl Packet<'_> {
         k
     }
 
+    /// A number that the largest value of each ray is above: just below the largest of every eighth value.
+    /// What cannot be above it need not be looked at, whatever comes first.
+    #[inline(never)]
+    fn least_maximum(&self, object: &Object<S>, skip: &Skip, line: &Line<S>) -> F32s<S> {
+        vectorized::<S, _>(
+            #[inline(always)]
+            || {
+                const STRIDE: f32 = 8.0;
+                let rays = self.rays;
+                let stride = F32s::splat(STRIDE);
+                let mut largest = F32s::splat(maximum::START);
+                let mut k = F32s::splat(0.5 * STRIDE);
+                let mut live = k.lt(rays.count);
+                while live.any() {
+                    let position = line.position(k + rays.jitter);
+                    let jump = skip.jump(object.values.shape(), line, position, largest);
+                    let matters = live & jump.eq(F32s::zero());
+                    if matters.any() {
+                        let sampled = object.clips.keep(position, matters);
+                        let value = object.values.at(position);
+                        let better = sampled & value.is_finite() & largest.lt(value);
+                        largest = better.select(value, largest);
+                    }
+                    // To the first of every eighth behind the jump.
+                    let strides = (jump * F32s::splat(1.0 / STRIDE)).to_i32s().to_f32s();
+                    k += strides.max(F32s::splat(1.0)) * stride;
+                    live = k.lt(rays.count);
+                }
+                // By more than a unit in its last place.
+                let less = largest.abs() * F32s::splat(f32::EPSILON);
+                largest - less.max(F32s::splat(f32::MIN_POSITIVE))
+            },
+        )
+    }
+
     /// Back to front through one volume: every sample.
-    fn backwards(&mut self, object: &Object) -> F32s {
+    #[inline(never)]
+    fn backwards(&mut self, object: &Object<S>) -> F32s<S> {
+        vectorized::<S, _>(
+            #[inline(always)]
+            || self.backwards_here(object),
+        )
+    }
+
+    #[inline(always)]
+    fn backwards_here(&mut self, object: &Object<S>) -> F32s<S> {
         let (rays, line) = (self.rays, &self.rays.lines[0]);
         let one = F32s::splat(1.0);
         let mut left = rays.count;
-        let mut live = F32s::ZERO.lt(left);
+        let mut live = F32s::zero().lt(left);
         while live.any() {
             left = live.select(left - one, left);
             let position = line.position(left + rays.jitter);
             let look = self.look(object, position, live);
             let Surface { colour, opacity } = look.surface;
             emission_absorption::add_in_front(&mut self.state, look.visible, colour, opacity);
-            self.visible += look.visible.select(one, F32s::ZERO);
-            live = live & F32s::ZERO.lt(left);
+            self.visible += look.visible.select(one, F32s::zero());
+            live = live & F32s::zero().lt(left);
         }
         rays.count
     }
 
     /// Front to back through several volumes: at each lattice point their looks are mixed.
-    fn forwards_through_several(&mut self) -> F32s {
+    #[inline(never)]
+    fn forwards_through_several(&mut self) -> F32s<S> {
+        vectorized::<S, _>(
+            #[inline(always)]
+            || self.forwards_through_several_here(),
+        )
+    }
+
+    #[inline(always)]
+    fn forwards_through_several_here(&mut self) -> F32s<S> {
         let rays = self.rays;
         let one = F32s::splat(1.0);
-        let mut k = F32s::ZERO;
+        let mut k = F32s::zero();
         let mut live = k.lt(rays.count);
         while live.any() {
             let jump = self.jump_over_all(k);
-            let empty = live & F32s::ZERO.lt(jump);
+            let empty = live & F32s::zero().lt(jump);
             if empty.any() {
                 let next = empty.select((k + jump).min(rays.count), k);
                 self.skipped += next - k;
@@ -154,7 +217,7 @@ impl Packet<'_> {
             let look = self.mixed(k, live);
             let Surface { colour, opacity } = look.surface;
             emission_absorption::add(&mut self.state, look.visible, colour, opacity);
-            self.visible += look.visible.select(one, F32s::ZERO);
+            self.visible += look.visible.select(one, F32s::zero());
             k = live.select(k + one, k);
             live = live & k.lt(rays.count) & !self.done();
         }
@@ -162,23 +225,33 @@ impl Packet<'_> {
     }
 
     /// Back to front through several volumes.
-    fn backwards_through_several(&mut self) -> F32s {
+    #[inline(never)]
+    fn backwards_through_several(&mut self) -> F32s<S> {
+        vectorized::<S, _>(
+            #[inline(always)]
+            || self.backwards_through_several_here(),
+        )
+    }
+
+    #[inline(always)]
+    fn backwards_through_several_here(&mut self) -> F32s<S> {
         let one = F32s::splat(1.0);
         let mut left = self.rays.count;
-        let mut live = F32s::ZERO.lt(left);
+        let mut live = F32s::zero().lt(left);
         while live.any() {
             left = live.select(left - one, left);
             let look = self.mixed(left, live);
             let Surface { colour, opacity } = look.surface;
             emission_absorption::add_in_front(&mut self.state, look.visible, colour, opacity);
-            self.visible += look.visible.select(one, F32s::ZERO);
-            live = live & F32s::ZERO.lt(left);
+            self.visible += look.visible.select(one, F32s::zero());
+            live = live & F32s::zero().lt(left);
         }
         self.rays.count
     }
 
     /// How many lattice points from `k` on show nothing of any volume.
-    fn jump_over_all(&self, k: F32s) -> F32s {
+    #[inline(always)]
+    fn jump_over_all(&self, k: F32s<S>) -> F32s<S> {
         let mut jump = self.rays.count - k;
         for (object, line) in self.scenery.objects.iter().zip(&self.rays.lines) {
             let inside = line.first.le(k) & k.lt(line.end);
@@ -186,43 +259,45 @@ impl Packet<'_> {
             let own = match &object.skip {
                 Some(skip) if inside.any() => {
                     let position = line.position(k + self.rays.jitter);
-                    let jump = skip.jump(object.values.shape(), line, position, &self.state);
+                    let seen = self.state.value;
+                    let jump = skip.jump(object.values.shape(), line, position, seen);
                     // Behind its last point it shows nothing either.
                     let to_end = (line.end - k).le(jump);
                     to_end.select(self.rays.count - k, jump)
                 }
-                _ => F32s::ZERO,
+                _ => F32s::zero(),
             };
             let elsewhere = before.select(line.first - k, self.rays.count - k);
             jump = jump.min(inside.select(own, elsewhere));
         }
-        jump.max(F32s::ZERO)
+        jump.max(F32s::zero())
     }
 
     /// The looks of all volumes at lattice point `k`, mixed so that their order does not matter:
     /// A = 1 − Π(1 − aᵢ), C = Σ aᵢ·cᵢ / Σ aᵢ, which is exact for short steps.
-    fn mixed(&mut self, k: F32s, live: Mask) -> Look {
+    #[inline(always)]
+    fn mixed(&mut self, k: F32s<S>, live: Mask<S>) -> Look<S> {
         let one = F32s::splat(1.0);
-        let (mut colour, mut opacities, mut passes) = ([F32s::ZERO; 3], F32s::ZERO, one);
-        let mut visible = Mask::NONE;
+        let (mut colour, mut opacities, mut passes) = ([F32s::zero(); 3], F32s::zero(), one);
+        let mut visible = Mask::none();
         for (object, line) in self.scenery.objects.iter().zip(&self.rays.lines) {
             let inside = live & line.first.le(k) & k.lt(line.end);
             if !inside.any() {
                 continue;
             }
             let look = self.look(object, line.position(k + self.rays.jitter), inside);
-            let opacity = look.visible.select(look.surface.opacity, F32s::ZERO);
+            let opacity = look.visible.select(look.surface.opacity, F32s::zero());
             for (sum, c) in colour.iter_mut().zip(look.surface.colour) {
-                *sum += look.visible.select(c * opacity, F32s::ZERO);
+                *sum += look.visible.select(c * opacity, F32s::zero());
             }
             opacities += opacity;
             passes = passes * (one - opacity);
             visible = visible | look.visible;
         }
-        let divisor = F32s::ZERO.lt(opacities).select(opacities, one);
+        let divisor = F32s::zero().lt(opacities).select(opacities, one);
         Look {
             surface: Surface {
-                colour: colour.map(|c| c.over(divisor)),
+                colour: each!(colour, |c| c.over(divisor)),
                 opacity: one - passes,
             },
             visible,
@@ -231,14 +306,14 @@ impl Packet<'_> {
 
     /// The value of a sample, counted.
     #[inline(always)]
-    fn value(&mut self, object: &Object, position: Vec3s, sampled: Mask) -> F32s {
-        self.sampled += sampled.select(F32s::splat(1.0), F32s::ZERO);
+    fn value(&mut self, object: &Object<S>, position: Vec3s<S>, sampled: Mask<S>) -> F32s<S> {
+        self.sampled += sampled.select(F32s::splat(1.0), F32s::zero());
         object.values.at(position)
     }
 
     /// The look of a volume at `position` where it is not clipped.
     #[inline(always)]
-    fn look(&mut self, object: &Object, position: Vec3s, live: Mask) -> Look {
+    fn look(&mut self, object: &Object<S>, position: Vec3s<S>, live: Mask<S>) -> Look<S> {
         let sampled = object.clips.keep(position, live);
         let value = self.value(object, position, sampled);
         object.look(
@@ -255,13 +330,13 @@ impl Packet<'_> {
     #[inline(always)]
     fn add(
         &mut self,
-        object: &Object,
-        line: &Line,
-        k: F32s,
-        position: Vec3s,
-        sampled: Mask,
-        value: F32s,
-    ) -> Mask {
+        object: &Object<S>,
+        line: &Line<S>,
+        k: F32s<S>,
+        position: Vec3s<S>,
+        sampled: Mask<S>,
+        value: F32s<S>,
+    ) -> Mask<S> {
         let place = k + self.rays.jitter;
         match self.scenery.plan.composite {
             Composite::EmissionAbsorption { .. } | Composite::BackToFront => {
@@ -293,7 +368,7 @@ impl Packet<'_> {
                 sampled
             }
             Composite::Gmip { .. } => {
-                let steep = length(object.gradient(position));
+                let steep = length(object.gradient(position, sampled));
                 maximum::add(&mut self.state, sampled, steep, place);
                 sampled
             }
@@ -310,7 +385,13 @@ impl Packet<'_> {
     }
 
     #[inline(always)]
-    fn classified(&mut self, object: &Object, value: F32s, position: Vec3s, sampled: Mask) -> Look {
+    fn classified(
+        &mut self,
+        object: &Object<S>,
+        value: F32s<S>,
+        position: Vec3s<S>,
+        sampled: Mask<S>,
+    ) -> Look<S> {
         object.look(
             &self.scenery.shading,
             value,
@@ -323,34 +404,57 @@ impl Packet<'_> {
 
     /// Rays whose value reaches the threshold at lattice point `k` first.
     #[inline(never)]
-    fn hit(&mut self, object: &Object, line: &Line, k: F32s, threshold: F32s, hit: Mask) {
+    fn hit(
+        &mut self,
+        object: &Object<S>,
+        line: &Line<S>,
+        k: F32s<S>,
+        threshold: F32s<S>,
+        hit: Mask<S>,
+    ) {
+        vectorized::<S, _>(
+            #[inline(always)]
+            || self.hit_here(object, line, k, threshold, hit),
+        );
+    }
+
+    #[inline(always)]
+    fn hit_here(
+        &mut self,
+        object: &Object<S>,
+        line: &Line<S>,
+        k: F32s<S>,
+        threshold: F32s<S>,
+        hit: Mask<S>,
+    ) {
         let jitter = self.rays.jitter;
-        let reached = |s: F32s| {
+        let reached = |s: F32s<S>| {
             let position = line.position(s);
             let value = object.values.at(position);
             let reached = threshold.le(value) & value.is_finite();
             object.clips.keep(position, reached)
         };
         // Before the first sample lies the entry, at which a ray may already be inside.
-        let first = k.eq(F32s::ZERO);
-        let before = first.select(F32s::ZERO, k - F32s::splat(1.0) + jitter);
+        let first = k.eq(F32s::zero());
+        let before = first.select(F32s::zero(), k - F32s::splat(1.0) + jitter);
         let refined = first_hit::refine(before, k + jitter, reached);
-        let at_entry = first & reached(F32s::ZERO);
-        let place = at_entry.select(F32s::ZERO, refined);
+        let at_entry = first & reached(F32s::zero());
+        let place = at_entry.select(F32s::zero(), refined);
         let position = line.position(place);
-        let surface = object.classify(object.values.at(position), position);
+        let surface = object.classify(object.values.at(position), position, hit);
         let colour = self.shade(object, surface, position, hit).colour;
         self.state.paint(hit, colour);
         self.state.place = hit.select(place, self.state.place);
     }
 
+    #[inline(always)]
     fn shade(
         &mut self,
-        object: &Object,
-        surface: Surface,
-        position: Vec3s,
-        shaded: Mask,
-    ) -> Surface {
+        object: &Object<S>,
+        surface: Surface<S>,
+        position: Vec3s<S>,
+        shaded: Mask<S>,
+    ) -> Surface<S> {
         let shading = &self.scenery.shading;
         let last_normal = &mut self.state.last_normal;
         object.shade(shading, surface, position, self.to_eye, shaded, last_normal)
@@ -360,12 +464,28 @@ impl Packet<'_> {
     fn inspect(
         &mut self,
         view: DebugView,
-        object: &Object,
-        place: F32s,
-        position: Vec3s,
-        sampled: Mask,
-        value: F32s,
-    ) -> Mask {
+        object: &Object<S>,
+        place: F32s<S>,
+        position: Vec3s<S>,
+        sampled: Mask<S>,
+        value: F32s<S>,
+    ) -> Mask<S> {
+        vectorized::<S, _>(
+            #[inline(always)]
+            || self.inspect_here(view, object, place, position, sampled, value),
+        )
+    }
+
+    #[inline(always)]
+    fn inspect_here(
+        &mut self,
+        view: DebugView,
+        object: &Object<S>,
+        place: F32s<S>,
+        position: Vec3s<S>,
+        sampled: Mask<S>,
+        value: F32s<S>,
+    ) -> Mask<S> {
         let shown = match view {
             DebugView::Entry | DebugView::Exit => sampled,
             DebugView::SampleCount { .. } => {
@@ -373,17 +493,17 @@ impl Packet<'_> {
                 self.state.number = sampled.select(more, self.state.number);
                 return sampled;
             }
-            _ => sampled & F32s::ZERO.lt(object.classify(value, position).opacity),
+            _ => sampled & F32s::zero().lt(object.classify(value, position, sampled).opacity),
         };
         if shown.any() {
             let colour = match view {
                 DebugView::Normal => {
-                    let (normal, _) = unit(object.gradient(position));
+                    let (normal, _) = unit(object.gradient(position, shown));
                     debug::vector_colour(normal)
                 }
-                DebugView::GradientRaw => debug::vector_colour(object.gradient(position)),
+                DebugView::GradientRaw => debug::vector_colour(object.gradient(position, shown)),
                 DebugView::GradientMagnitude { white_per_mm } => {
-                    debug::grey(length(object.gradient(position)), 0.0, white_per_mm)
+                    debug::grey(length(object.gradient(position, shown)), 0.0, white_per_mm)
                 }
                 DebugView::Depth { near_mm, far_mm } => {
                     debug::grey(self.distance_mm(place), near_mm, far_mm)
@@ -399,15 +519,14 @@ impl Packet<'_> {
     }
 
     /// How far a lattice coordinate is from the ray's start.
-    fn distance_mm(&self, place: F32s) -> F32s {
-        let step_mm = self.scenery.plan.lattice.step_mm;
-        F32s(lanes(|i| {
-            (self.rays.entry_mm[i] + f64::from(place.0[i]) * step_mm) as f32
-        }))
+    #[inline(always)]
+    fn distance_mm(&self, place: F32s<S>) -> F32s<S> {
+        let step_mm = F64s::splat(self.scenery.plan.lattice.step_mm);
+        (self.rays.entry_mm + F64s::from_single(place) * step_mm).to_single()
     }
 
     #[inline(always)]
-    fn done(&self) -> Mask {
+    fn done(&self) -> Mask<S> {
         let state = &self.state;
         match self.scenery.plan.composite {
             Composite::EmissionAbsorption {
@@ -418,20 +537,21 @@ impl Packet<'_> {
                 blend,
                 ..
             } => mida::done(state, stop_at_transmittance, blend),
-            Composite::FirstHit { .. } => F32s::ZERO.lt(state.alpha),
-            Composite::Debug(DebugView::Exit | DebugView::SampleCount { .. }) => Mask::NONE,
-            Composite::Debug(_) => F32s::ZERO.lt(state.alpha),
+            Composite::FirstHit { .. } => F32s::zero().lt(state.alpha),
+            Composite::Debug(DebugView::Exit | DebugView::SampleCount { .. }) => Mask::none(),
+            Composite::Debug(_) => F32s::zero().lt(state.alpha),
             Composite::BackToFront
             | Composite::Mip
             | Composite::MinIp
             | Composite::Average
-            | Composite::Gmip { .. } => Mask::NONE,
+            | Composite::Gmip { .. } => Mask::none(),
         }
     }
 
     /// The rule's own end, then what is behind under everything.
+    #[inline(always)]
     fn finish(mut self) -> Seen {
-        let found = F32s::ZERO.lt(self.state.number);
+        let found = F32s::zero().lt(self.state.number);
         match self.scenery.plan.composite {
             Composite::Mip | Composite::MinIp => self.classify_once(self.state.value, found),
             Composite::Average => self.classify_once(average::mean(&self.state), found),
@@ -447,17 +567,21 @@ impl Packet<'_> {
         }
         let State { colour, alpha, .. } = self.state;
         let behind = F32s::splat(1.0) - alpha;
-        let over =
-            |c: F32s, channel: usize| c + behind * F32s(lanes(|i| self.rays.behind[i][channel]));
-        let [r, g, b] = [0, 1, 2].map(|c| over(colour[c], c));
+        let over = inlined(
+            #[inline(always)]
+            |c: F32s<S>, channel: usize| {
+                c + behind * F32s::from_array(lanes(|i| self.rays.behind[i][channel]))
+            },
+        );
+        let [r, g, b] = each!([0, 1, 2], |c| over(colour[c], c));
         let a = over(alpha, 3);
         let hits = matches!(self.scenery.plan.composite, Composite::FirstHit { .. });
         let distance = self.distance_mm(self.state.place);
         Seen {
-            pixels: lanes(|i| [r.0[i], g.0[i], b.0[i], a.0[i]]),
+            pixels: lanes(|i| [r.lane(i), g.lane(i), b.lane(i), a.lane(i)]),
             depth_mm: lanes(|i| {
-                if hits && alpha.0[i] > 0.0 {
-                    distance.0[i]
+                if hits && alpha.lane(i) > 0.0 {
+                    distance.lane(i)
                 } else {
                     self.rays.opaque_mm[i] as f32
                 }
@@ -466,22 +590,23 @@ impl Packet<'_> {
     }
 
     /// `value` classified and shaded once, nothing where none was `found`.
-    fn classify_once(&mut self, value: F32s, found: Mask) {
+    #[inline(always)]
+    fn classify_once(&mut self, value: F32s<S>, found: Mask<S>) {
         let scenery = self.scenery;
         let object = &scenery.objects[0];
         let position = self.rays.lines[0].position(self.state.place);
-        let mut surface = object.classify(value, position);
+        let mut surface = object.classify(value, position, found);
         if scenery.plan.shade != Shade::Unlit {
             surface = self.shade(object, surface, position, found);
         }
-        let alpha = found.select(surface.opacity, F32s::ZERO);
-        self.state.colour = surface.colour.map(|c| c * alpha);
+        let alpha = found.select(surface.opacity, F32s::zero());
+        self.state.colour = each!(surface.colour, |c| c * alpha);
         self.state.alpha = alpha;
     }
 }
 
 /// Each lane is a whole number of at most 2^24, exact in f32.
 #[inline(always)]
-fn sum(numbers: F32s) -> u64 {
-    numbers.0.iter().map(|&n| n as u64).sum()
+fn sum<S: Level>(numbers: F32s<S>) -> u64 {
+    (0..LANES).map(|lane| numbers.lane(lane) as u64).sum()
 }

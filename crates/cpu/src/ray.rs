@@ -1,28 +1,34 @@
 //! Ray set-up: from pixels to a packet of lattices in voxel space.
 
-use crate::lanes::{F32s, LANES, PACKET, Vec3s, along};
+use crate::doubles::{self, F64s, Mask64, Points};
+use crate::lanes::{F32s, I32s, LANES, PACKET, Vec3s, along, each, lanes};
+use crate::levels::{Level, inlined};
 use crate::library::clip_ray;
+use crate::library::jitter::Jitters;
 use crate::scenery::Scenery;
 use glam::DVec3;
-use strahl_scene::plan::{MOST_OBJECTS, Plan, Ray};
+use strahl_scene::plan::{MOST_OBJECTS, Plan, Projection, Ray};
 use strahl_volume::Grid;
+
+/// Further than any lattice reaches, as a number of steps.
+pub const NEVER: f32 = 1e9;
 
 /// Lattice points that a ray can have: f32 counts them exactly up to here.
 pub const MAX_POINTS: f64 = 16_777_216.0;
 
 /// The lattices of a packet of rays, and where each object lies along them.
-#[derive(Clone, Debug)]
-pub struct RayPacket {
+#[derive(Clone)]
+pub struct RayPacket<S: Level> {
     /// One per object of the Plan.
-    pub lines: Vec<Line>,
+    pub lines: Vec<Line<S>>,
     /// World space, unit length.
-    pub direction: Vec3s,
+    pub direction: Vec3s<S>,
     /// Where the lattice begins, in mm from the ray's start.
-    pub entry_mm: [f64; LANES],
+    pub entry_mm: F64s<S>,
     /// In [0, 1).
-    pub jitter: F32s,
+    pub jitter: F32s<S>,
     /// Number of lattice points: whole, 0 for a ray that misses and a lane without a pixel.
-    pub count: F32s,
+    pub count: F32s<S>,
     /// Lanes that have a pixel.
     pub pixels: [bool; LANES],
     /// What is behind: opaque geometry, or the background. Premultiplied.
@@ -35,62 +41,164 @@ pub struct RayPacket {
 /// `entry_in_voxel + (k + jitter)·step_in_voxel`: positions come from the entry by one product, so
 /// that their error does not grow along the ray and is a few ulps of the grid's size, however far
 /// away the eye is.
-#[derive(Clone, Copy, Debug)]
-pub struct Line {
+#[derive(Clone, Copy)]
+pub struct Line<S: Level> {
     /// Where the lattice begins (t_entry).
-    pub entry_in_voxel: Vec3s,
+    pub entry_in_voxel: Vec3s<S>,
     /// From one lattice point to the next.
-    pub step_in_voxel: Vec3s,
+    pub step_in_voxel: Vec3s<S>,
     /// One over each component of the step; 0 where it is too short to leave a brick.
-    pub inverse_step: Vec3s,
+    pub inverse_step: Vec3s<S>,
+    /// 0, or [`NEVER`] where the step is too short.
+    pub stays: Vec3s<S>,
+    /// 1 towards larger coordinates, −1 towards smaller ones.
+    pub sign: Vec3s<S>,
+    /// How far a position may be off by rounding, in voxels, against the direction: 8 times the bound of
+    /// the product, the sum and the quotient that it comes from.
+    pub margin: Vec3s<S>,
+    /// Bit i is set where axis i is walked towards smaller coordinates.
+    pub octant: I32s<S>,
     /// The first lattice point inside the object …
-    pub first: F32s,
+    pub first: F32s<S>,
     /// … and the one after the last.
-    pub end: F32s,
+    pub end: F32s<S>,
 }
 
-impl Line {
-    const NONE: Line = Line {
-        entry_in_voxel: [F32s::ZERO; 3],
-        step_in_voxel: [F32s::ZERO; 3],
-        inverse_step: [F32s::ZERO; 3],
-        first: F32s::ZERO,
-        end: F32s::ZERO,
-    };
+impl<S: Level> Line<S> {
+    fn none() -> Line<S> {
+        Line {
+            entry_in_voxel: [F32s::zero(); 3],
+            step_in_voxel: [F32s::zero(); 3],
+            inverse_step: [F32s::zero(); 3],
+            stays: [F32s::zero(); 3],
+            sign: [F32s::zero(); 3],
+            margin: [F32s::zero(); 3],
+            octant: I32s::splat(0),
+            first: F32s::zero(),
+            end: F32s::zero(),
+        }
+    }
 
     /// The position of lattice coordinate `s` = k + jitter in voxel space.
     #[inline(always)]
-    pub fn position(&self, s: F32s) -> Vec3s {
+    pub fn position(&self, s: F32s<S>) -> Vec3s<S> {
         along(self.entry_in_voxel, self.step_in_voxel, s)
     }
 
-    fn set(&mut self, lane: usize, grid: &Grid, ray: &Ray, t_entry: f64, step_mm: f64) {
+    /// The lattice of rays that begin at `t_entry` (mm) in the voxel space of `grid`.
+    #[inline(always)]
+    fn of_rays(grid: &Grid, rays: &Rays<S>, t_entry: F64s<S>, step_mm: f64) -> Line<S> {
         let voxel_from_world = grid.voxel_from_world();
-        let entry = voxel_from_world.transform_point3(ray.origin_mm + t_entry * ray.direction);
-        let step = voxel_from_world.transform_vector3(ray.direction) * step_mm;
-        for axis in 0..3 {
-            self.entry_in_voxel[axis].0[lane] = entry[axis] as f32;
-            self.step_in_voxel[axis].0[lane] = step[axis] as f32;
-            // A step so short moves less than the margin of skipping in MAX_POINTS steps.
-            let moves = step[axis].abs() > 1e-20;
-            self.inverse_step[axis].0[lane] = if moves {
-                step[axis].recip() as f32
-            } else {
-                0.0
-            };
+        let start = doubles::along(rays.origin_mm, rays.direction, t_entry);
+        let entry = doubles::moved(&voxel_from_world, start);
+        let step_mm = F64s::splat(step_mm);
+        let step = each!(doubles::turned(&voxel_from_world, rays.direction), |d| d
+            * step_mm,);
+        let inverse = inlined(
+            #[inline(always)]
+            |step: F64s<S>| {
+                // A step so short moves less than the margin of skipping in MAX_POINTS steps.
+                let moves = F64s::splat(1e-20).lt(step.abs());
+                let inverse = F64s::splat(1.0).over(moves.select(step, F64s::splat(1.0)));
+                moves.select(inverse, F64s::splat(0.0)).to_single()
+            },
+        );
+        let inverse_step = each!(step, |c| inverse(c));
+        let zero = F32s::zero();
+        let sign = inlined(
+            #[inline(always)]
+            |inverse: F32s<S>| inverse.lt(zero).select(F32s::splat(-1.0), F32s::splat(1.0)),
+        );
+        let sign = each!(inverse_step, |c| sign(c));
+        let stays = inlined(
+            #[inline(always)]
+            |inverse: F32s<S>| inverse.eq(zero).select(F32s::splat(NEVER), zero),
+        );
+        let bit = inlined(
+            #[inline(always)]
+            |axis: usize| {
+                let bit = F32s::splat((1 << axis) as f32);
+                inverse_step[axis].lt(zero).select(bit, zero)
+            },
+        );
+        let margin =
+            |axis: usize| sign[axis] * F32s::splat(grid.dims()[axis] as f32 / (1 << 20) as f32);
+        Line {
+            entry_in_voxel: each!(entry, |c| F64s::to_single(c)),
+            step_in_voxel: each!(step, |c| F64s::to_single(c)),
+            inverse_step,
+            stays: each!(inverse_step, |c| stays(c)),
+            sign,
+            margin: [margin(0), margin(1), margin(2)],
+            octant: (bit(0) + bit(1) + bit(2)).to_i32s(),
+            first: F32s::zero(),
+            end: F32s::zero(),
         }
     }
 }
 
-impl RayPacket {
+/// Rays in world space; points are `origin_mm + t · direction`, t ≥ 0 in mm.
+pub struct Rays<S: Level> {
+    /// t = 0.
+    pub origin_mm: Points<S>,
+    /// Unit length.
+    pub direction: Points<S>,
+}
+
+impl<S: Level> Rays<S> {
+    /// The rays through the centres of pixels, with the arithmetic of [`PlanCamera::ray`].
+    ///
+    /// [`PlanCamera::ray`]: strahl_scene::plan::PlanCamera::ray
+    #[inline(always)]
+    fn of_camera(plan: &Plan, x: F64s<S>, y: F64s<S>) -> Rays<S> {
+        let camera = &plan.camera;
+        let (width, height) = (f64::from(plan.width), f64::from(plan.height));
+        let (one, two, half) = (F64s::splat(1.0), F64s::splat(2.0), F64s::splat(0.5));
+        let across =
+            (two * (x + half).over(F64s::splat(width)) - one) * F64s::splat(width / height);
+        let upward = one - two * (y + half).over(F64s::splat(height));
+        let (right, up) = (doubles::splat(camera.right), doubles::splat(camera.up));
+        let forward = doubles::splat(camera.forward);
+        let offset = inlined(
+            #[inline(always)]
+            |axis: usize| right[axis] * across + up[axis] * upward,
+        );
+        let offset = [offset(0), offset(1), offset(2)];
+        let eye = doubles::splat(camera.eye_mm);
+        match camera.projection {
+            Projection::Perspective { tan_half_height } => {
+                let long = doubles::along(forward, offset, F64s::splat(tan_half_height));
+                let shorter = one.over(doubles::dot(long, long).sqrt());
+                Rays {
+                    origin_mm: eye,
+                    direction: each!(long, |d| d * shorter),
+                }
+            }
+            Projection::Orthographic { half_height_mm } => Rays {
+                origin_mm: doubles::along(eye, offset, F64s::splat(half_height_mm)),
+                direction: forward,
+            },
+        }
+    }
+
+    fn ray(&self, lane: usize) -> Ray {
+        let vector = |v: &Points<S>| DVec3::new(v[0].lane(lane), v[1].lane(lane), v[2].lane(lane));
+        Ray {
+            origin_mm: vector(&self.origin_mm),
+            direction: vector(&self.direction),
+        }
+    }
+}
+
+impl<S: Level> RayPacket<S> {
     /// A packet without rays for `objects` objects.
-    pub fn empty(objects: usize) -> RayPacket {
+    pub fn empty(objects: usize) -> RayPacket<S> {
         RayPacket {
-            lines: vec![Line::NONE; objects],
-            direction: [F32s::ZERO; 3],
-            entry_mm: [0.0; LANES],
-            jitter: F32s::ZERO,
-            count: F32s::ZERO,
+            lines: vec![Line::none(); objects],
+            direction: [F32s::zero(); 3],
+            entry_mm: F64s::splat(0.0),
+            jitter: F32s::zero(),
+            count: F32s::zero(),
             pixels: [false; LANES],
             behind: [[0.0; 4]; LANES],
             opaque_mm: [f64::INFINITY; LANES],
@@ -99,67 +207,95 @@ impl RayPacket {
 
     /// Becomes the rays of the block of pixels with its corner at column `x0`, row `y0`, as far as it
     /// lies left of column `x_end` and above row `y_end`, in picture number `frame`.
+    #[inline(always)]
     pub fn aim(
         &mut self,
-        scenery: &Scenery,
+        scenery: &Scenery<S>,
         [x0, y0]: [u32; 2],
         [x_end, y_end]: [u32; 2],
         frame: u32,
     ) {
-        self.pixels = [false; LANES];
-        self.count = F32s::ZERO;
-        self.jitter = F32s::ZERO;
-        self.lines.fill(Line::NONE);
-        for lane in 0..LANES {
-            let x = x0 + (lane % PACKET[0]) as u32;
-            let y = y0 + (lane / PACKET[0]) as u32;
-            if x < x_end && y < y_end {
-                self.pixels[lane] = true;
-                self.set(lane, scenery, x, y, frame);
-            }
-        }
-    }
-
-    fn set(&mut self, lane: usize, scenery: &Scenery, x: u32, y: u32, frame: u32) {
         let plan = scenery.plan;
-        let ray = plan.camera.ray(x, y, plan.width, plan.height);
-        let (opaque_mm, behind) = scenery.meshes.behind(&ray, plan);
-        self.opaque_mm[lane] = opaque_mm;
-        self.behind[lane] = behind;
-        for axis in 0..3 {
-            self.direction[axis].0[lane] = ray.direction[axis] as f32;
-        }
-        let mut intervals = [None; MOST_OBJECTS];
-        let (mut t_entry, mut t_exit) = (f64::INFINITY, f64::NEG_INFINITY);
-        for (object, interval) in intervals[..plan.objects.len()].iter_mut().enumerate() {
-            *interval = clip_ray::interval(plan, object, &ray, opaque_mm);
-            if let Some([first, last]) = *interval {
-                t_entry = t_entry.min(first);
-                t_exit = t_exit.max(last);
+        let column = |lane: usize| x0 + (lane % PACKET[0]) as u32;
+        let row = |lane: usize| y0 + (lane / PACKET[0]) as u32;
+        self.pixels = lanes(|lane| column(lane) < x_end && row(lane) < y_end);
+        let (x, y) = (F64s::from_array(COLUMNS), F64s::from_array(ROWS));
+        let (x, y) = (x + F64s::splat(x0.into()), y + F64s::splat(y0.into()));
+        let rays = Rays::of_camera(plan, x, y);
+        self.direction = each!(rays.direction, |c| F64s::to_single(c));
+        if plan.meshes.is_empty() {
+            self.opaque_mm = [f64::INFINITY; LANES];
+            self.behind = [plan.background; LANES];
+        } else {
+            for lane in (0..LANES).filter(|&lane| self.pixels[lane]) {
+                (self.opaque_mm[lane], self.behind[lane]) =
+                    scenery.meshes.behind(&rays.ray(lane), plan);
             }
         }
-        if t_entry >= t_exit {
-            return;
-        }
-        let step_mm = plan.lattice.step_mm;
-        let jitter = scenery.jitters.at(x, y, frame);
-        // The number of lattice points before t.
-        let points = |t: f64| {
-            let count = ((t - t_entry) / step_mm - f64::from(jitter)).ceil();
-            count.clamp(0.0, MAX_POINTS) as f32
+        self.jitter = match scenery.jitters {
+            Jitters::Centre => F32s::splat(0.5),
+            _ => F32s::from_array(lanes(|lane| {
+                scenery.jitters.at(column(lane), row(lane), frame)
+            })),
         };
-        for (object, line) in self.lines.iter_mut().enumerate() {
-            if let Some([first, last]) = intervals[object] {
-                line.set(lane, &plan.objects[object].grid, &ray, t_entry, step_mm);
-                line.first.0[lane] = points(first);
-                line.end.0[lane] = points(last);
-            }
+        let opaque_mm = F64s::from_array(self.opaque_mm);
+        let (zero, far) = (F64s::splat(0.0), F64s::splat(f64::INFINITY));
+        let mut intervals = [[zero; 2]; MOST_OBJECTS];
+        let (mut t_entry, mut t_exit) = (far, -far);
+        for (object, interval) in intervals[..plan.objects.len()].iter_mut().enumerate() {
+            *interval = clip_ray::interval(plan, object, &rays, opaque_mm);
+            let [first, last] = *interval;
+            let met = first.lt(last);
+            t_entry = t_entry.min(met.select(first, far));
+            t_exit = t_exit.max(met.select(last, -far));
         }
-        self.entry_mm[lane] = t_entry;
-        self.jitter.0[lane] = jitter;
-        self.count.0[lane] = points(t_exit);
+        let met = t_entry.lt(t_exit) & Mask64::from_array(self.pixels);
+        let t_entry = met.select(t_entry, zero);
+        let step_mm = F64s::splat(plan.lattice.step_mm);
+        let jitter = F64s::from_single(self.jitter);
+        // The number of lattice points before t.
+        let points = inlined(
+            #[inline(always)]
+            |met: Mask64<S>, t: F64s<S>| {
+                let count = ((t - t_entry).over(step_mm) - jitter).ceil();
+                let count = count.max(zero).min(F64s::splat(MAX_POINTS));
+                met.select(count, zero).to_single()
+            },
+        );
+        for (object, line) in self.lines.iter_mut().enumerate() {
+            let [first, last] = intervals[object];
+            let met = met & first.lt(last);
+            let grid = &plan.objects[object].grid;
+            *line = Line::of_rays(grid, &rays, t_entry, plan.lattice.step_mm);
+            line.first = points(met, first);
+            line.end = points(met, last);
+        }
+        self.entry_mm = t_entry;
+        self.count = points(met, t_exit);
     }
 }
+
+/// Of the lanes in a packet.
+const COLUMNS: [f64; LANES] = {
+    let mut columns = [0.0; LANES];
+    let mut lane = 0;
+    while lane < LANES {
+        columns[lane] = (lane % PACKET[0]) as f64;
+        lane += 1;
+    }
+    columns
+};
+
+/// Of the lanes in a packet.
+const ROWS: [f64; LANES] = {
+    let mut rows = [0.0; LANES];
+    let mut lane = 0;
+    while lane < LANES {
+        rows[lane] = (lane / PACKET[0]) as f64;
+        lane += 1;
+    }
+    rows
+};
 
 /// The largest number of lattice points that a ray of `plan` may have.
 pub fn most_points(plan: &Plan) -> f64 {
@@ -177,4 +313,33 @@ pub fn most_points(plan: &Plan) -> f64 {
         lo.distance(hi)
     };
     diagonal / plan.lattice.step_mm
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::levels::Portable;
+    use strahl_scene::{Scene, resolve};
+    use strahl_volume::Phantom;
+
+    #[test]
+    fn rays_are_those_of_the_camera() {
+        let volume = Phantom::Tree.volume([8, 8, 8]).unwrap();
+        for projection in ["perspective", "orthographic"] {
+            let scene = format!(
+                r#"{{ "size": [37, 23], "camera": {{ "projection": "{projection}", "azimuth_deg": 31 }} }}"#
+            );
+            let scene = Scene::parse("scene", &scene).unwrap();
+            let plan = resolve(&scene, &volume.header(), None).unwrap();
+            let at = |values: [f64; LANES], by: f64| {
+                F64s::<Portable>::from_array(values.map(|v| v + by))
+            };
+            let rays = Rays::of_camera(&plan, at(COLUMNS, 8.0), at(ROWS, 4.0));
+            for lane in 0..LANES {
+                let (x, y) = (8 + lane % PACKET[0], 4 + lane / PACKET[0]);
+                let ray = plan.camera.ray(x as u32, y as u32, plan.width, plan.height);
+                assert_eq!(rays.ray(lane), ray, "{projection}, lane {lane}");
+            }
+        }
+    }
 }

@@ -1,6 +1,7 @@
 //! Tiles of the picture over all cores.
 
 use crate::lanes::PACKET;
+use crate::levels::{Level, vectorized};
 use crate::march::Counts;
 use crate::ray::RayPacket;
 use crate::scenery::Scenery;
@@ -28,7 +29,7 @@ struct Tile<'i> {
 
 /// Draws all tiles in the current thread pool. Each pixel depends on its own ray only, so that
 /// neither the size of tiles nor their order nor the number of threads can change one.
-pub fn draw(scenery: &Scenery, edge: u32, progress: Progress) -> Result<Drawn, Error> {
+pub fn draw<S: Level>(scenery: &Scenery<S>, edge: u32, progress: Progress) -> Result<Drawn, Error> {
     let plan = scenery.plan;
     let (width, height) = (plan.width as usize, plan.height as usize);
     let mut pixels = vec![[0.0; 4]; width * height];
@@ -47,7 +48,10 @@ pub fn draw(scenery: &Scenery, edge: u32, progress: Progress) -> Result<Drawn, E
             if cancelled.load(Ordering::Relaxed) {
                 return Counts::default();
             }
-            let counts = draw_tile(scenery, tile);
+            let counts = vectorized::<S, _>(
+                #[inline(always)]
+                || draw_tile(scenery, tile),
+            );
             let drawn = drawn.fetch_add(1, Ordering::Relaxed) + 1;
             if let ControlFlow::Break(()) = progress(drawn, total) {
                 cancelled.store(true, Ordering::Relaxed);
@@ -97,7 +101,8 @@ fn tiles<'i>(
     tiles
 }
 
-fn draw_tile(scenery: &Scenery, mut tile: Tile) -> Counts {
+#[inline(always)]
+fn draw_tile<S: Level>(scenery: &Scenery<S>, mut tile: Tile) -> Counts {
     let mut counts = Counts::default();
     let mut rays = RayPacket::empty(scenery.objects.len());
     let (width, height) = (tile.rows[0].len() as u32, tile.rows.len() as u32);

@@ -4,7 +4,7 @@ use crate::{Grid, Sample, Samples, Volume, with_samples};
 
 /// The smallest and the largest number that reconstruction can find in each brick of a volume.
 ///
-/// A brick is a block of [`Bricks::EDGE`]³ *cells* (a cell lies between eight neighbouring voxels),
+/// A brick is a block of [`edge`](Bricks::edge)³ *cells* (a cell lies between eight neighbouring voxels),
 /// so that its range covers the voxels of its far faces too, which the next brick has as well.
 /// Cell `i` of an axis spans the positions i to i + 1 in voxel space; positions in the outer half
 /// voxel belong to the first and the last cell, an axis of a single voxel has a single cell.
@@ -14,7 +14,7 @@ use crate::{Grid, Sample, Samples, Volume, with_samples};
 /// Numbers are stored numbers as [`Sample::to_f32`] gives them. NaN voxels are left out: a cell with
 /// a NaN corner gives NaN wherever it is sampled trilinearly.
 ///
-/// Memory is 8 bytes per 512 voxels: 1.6 % of a `u8` volume, 0.8 % of an `i16` one.
+/// Memory with the usual edge is 8 bytes per 512 voxels: 1.6 % of a `u8` volume, 0.8 % of an `i16` one.
 ///
 /// ```
 /// use strahl_volume::{Grid, Metadata, Rescale, Samples, Volume, bricks::Bricks};
@@ -27,6 +27,7 @@ use crate::{Grid, Sample, Samples, Volume, with_samples};
 /// ```
 #[derive(Clone, Debug)]
 pub struct Bricks {
+    edge: usize,
     dims: [usize; 3],
     ranges: Vec<BrickRange>,
 }
@@ -54,21 +55,36 @@ impl BrickRange {
 }
 
 impl Bricks {
-    /// Cells along the edge of a brick. Smaller bricks skip closer to the surface but cost more to
+    /// The usual number of cells along the edge of a brick. Smaller bricks skip closer to the surface but cost more to
     /// walk through and to keep; 8 is the size that most renderers have settled on.
     pub const EDGE: usize = 8;
 
     /// The bricks of `volume`, on all cores (feature `threads`).
     pub fn new(volume: &Volume) -> Bricks {
-        Bricks::of(volume.grid(), volume.samples())
+        Bricks::with_edge(volume, Self::EDGE)
     }
 
-    fn of(grid: &Grid, samples: &Samples) -> Bricks {
+    /// Bricks of `edge`³ cells. Half the edge is eight times the memory: for edge 4 12.5 % of a `u8`
+    /// volume.
+    ///
+    /// # Panics
+    /// If `edge` is not a power of two.
+    pub fn with_edge(volume: &Volume, edge: usize) -> Bricks {
+        Bricks::of(volume.grid(), volume.samples(), edge)
+    }
+
+    fn of(grid: &Grid, samples: &Samples, edge: usize) -> Bricks {
+        assert!(edge.is_power_of_two(), "bricks of {edge} cells");
         let voxels = grid.dims();
-        let dims = voxels.map(|n| (n - 1).div_ceil(Self::EDGE).max(1));
+        let dims = voxels.map(|n| (n - 1).div_ceil(edge).max(1));
         let mut ranges = vec![BrickRange::EMPTY; dims.iter().product()];
-        with_samples!(samples, s => fill(voxels, dims, s, &mut ranges));
-        Bricks { dims, ranges }
+        with_samples!(samples, s => fill(edge, voxels, dims, s, &mut ranges));
+        Bricks { edge, dims, ranges }
+    }
+
+    /// Cells along the edge of these bricks.
+    pub fn edge(&self) -> usize {
+        self.edge
     }
 
     /// Number of bricks along x, y, z.
@@ -98,13 +114,19 @@ impl Bricks {
 
 /// One row of bricks (along x) after the other: first the range over y and z of every voxel column,
 /// then along x. The long inner loops run over neighbouring voxels and vectorise.
-fn fill<T: Sample>(voxels: [usize; 3], dims: [usize; 3], samples: &[T], ranges: &mut [BrickRange]) {
+fn fill<T: Sample>(
+    edge: usize,
+    voxels: [usize; 3],
+    dims: [usize; 3],
+    samples: &[T],
+    ranges: &mut [BrickRange],
+) {
     let [nx, ny, nz] = voxels;
     let row_of_bricks = |row: usize, ranges: &mut [BrickRange]| {
         let (by, bz) = (row % dims[1], row / dims[1]);
         let mut columns = vec![BrickRange::EMPTY; nx];
-        for z in touched(bz, nz) {
-            for y in touched(by, ny) {
+        for z in touched(edge, bz, nz) {
+            for y in touched(edge, by, ny) {
                 let start = nx * (y + ny * z);
                 for (column, voxel) in columns.iter_mut().zip(&samples[start..start + nx]) {
                     let stored = voxel.to_f32();
@@ -123,7 +145,7 @@ fn fill<T: Sample>(voxels: [usize; 3], dims: [usize; 3], samples: &[T], ranges: 
             }
         }
         for (bx, range) in ranges.iter_mut().enumerate() {
-            for column in &columns[touched(bx, nx)] {
+            for column in &columns[touched(edge, bx, nx)] {
                 range.lo = range.lo.min(column.lo);
                 range.hi = range.hi.max(column.hi);
             }
@@ -144,9 +166,9 @@ fn fill<T: Sample>(voxels: [usize; 3], dims: [usize; 3], samples: &[T], ranges: 
 }
 
 /// The voxels at the corners of the cells of brick `brick` on an axis of `n` voxels.
-fn touched(brick: usize, n: usize) -> std::ops::Range<usize> {
-    let first = brick * Bricks::EDGE;
-    first..(first + Bricks::EDGE + 1).min(n)
+fn touched(edge: usize, brick: usize, n: usize) -> std::ops::Range<usize> {
+    let first = brick * edge;
+    first..(first + edge + 1).min(n)
 }
 
 #[cfg(test)]
@@ -155,7 +177,12 @@ mod tests {
     use proptest::prelude::*;
 
     /// The definition, voxel by voxel.
-    fn brute_force(voxels: [usize; 3], samples: &Samples, brick: [usize; 3]) -> BrickRange {
+    fn brute_force(
+        edge: usize,
+        voxels: [usize; 3],
+        samples: &Samples,
+        brick: [usize; 3],
+    ) -> BrickRange {
         let mut range = BrickRange::EMPTY;
         for z in 0..voxels[2] {
             for y in 0..voxels[1] {
@@ -163,7 +190,7 @@ mod tests {
                     let inside = [x, y, z]
                         .iter()
                         .zip(brick)
-                        .all(|(&v, b)| v >= 8 * b && v <= 8 * b + 8);
+                        .all(|(&v, b)| v >= edge * b && v <= edge * b + edge);
                     let stored = samples.get(x + voxels[0] * (y + voxels[1] * z)) as f32;
                     if inside && !stored.is_nan() {
                         range.lo = range.lo.min(stored);
@@ -182,6 +209,7 @@ mod tests {
             voxels in [1usize..20, 1usize..20, 1usize..20],
             seed in any::<u32>(),
             float in any::<bool>(),
+            edge in prop_oneof![Just(4), Just(8), Just(16)],
         ) {
             let count = voxels.iter().product::<usize>() as u32;
             let noise = (0..count).map(|i| (i ^ seed).wrapping_mul(2_654_435_761) >> 16);
@@ -191,13 +219,13 @@ mod tests {
                 Samples::I16(noise.map(|n| n as i16).collect())
             };
             let grid = Grid::centred(voxels, glam::DVec3::ONE).unwrap();
-            let bricks = Bricks::of(&grid, &samples);
+            let bricks = Bricks::of(&grid, &samples, edge);
             for z in 0..bricks.dims()[2] {
                 for y in 0..bricks.dims()[1] {
                     for x in 0..bricks.dims()[0] {
                         prop_assert_eq!(
                             bricks.range([x, y, z]),
-                            brute_force(voxels, &samples, [x, y, z])
+                            brute_force(edge, voxels, &samples, [x, y, z])
                         );
                     }
                 }
@@ -209,7 +237,7 @@ mod tests {
     fn number_of_bricks_covers_every_cell() {
         for (voxels, bricks) in [(1, 1), (2, 1), (9, 1), (10, 2), (17, 2), (18, 3)] {
             let grid = Grid::centred([voxels, 1, 1], glam::DVec3::ONE).unwrap();
-            let made = Bricks::of(&grid, &Samples::U8(vec![0; voxels]));
+            let made = Bricks::of(&grid, &Samples::U8(vec![0; voxels]), 8);
             assert_eq!(made.dims(), [bricks, 1, 1], "{voxels} voxels");
         }
     }
@@ -217,7 +245,7 @@ mod tests {
     #[test]
     fn nothing_but_nan_is_an_empty_range() {
         let grid = Grid::centred([2, 2, 2], glam::DVec3::ONE).unwrap();
-        let bricks = Bricks::of(&grid, &Samples::F64(vec![f64::NAN; 8]));
+        let bricks = Bricks::of(&grid, &Samples::F64(vec![f64::NAN; 8]), 8);
         assert!(bricks.range([0, 0, 0]).is_empty());
     }
 }

@@ -6,30 +6,32 @@ mod table;
 
 pub use table::Table;
 
-use crate::lanes::{F32s, Vec3s, length};
+use crate::lanes::{F32s, Mask, Vec3s, length};
+use crate::levels::Level;
 use crate::library::gradient::Gradients;
 use crate::library::reconstruct::Values;
 use strahl_scene::plan::Classify;
 
 /// What a value looks like.
 #[derive(Clone, Copy)]
-pub struct Surface {
+pub struct Surface<S: Level> {
     /// Not premultiplied.
-    pub colour: Vec3s,
+    pub colour: Vec3s<S>,
     /// Per reference length.
-    pub opacity: F32s,
+    pub opacity: F32s<S>,
 }
 
-/// Colour and opacity of `value` at `position` (voxel space).
+/// Colour and opacity of `value` at `position` (voxel space) where `asked`; anything elsewhere.
 #[inline(always)]
-pub fn classify(
+pub fn classify<S: Level>(
     method: Classify,
     table: &Table,
     gradients: &Gradients,
-    values: &dyn Values,
-    value: F32s,
-    position: Vec3s,
-) -> Surface {
+    values: &dyn Values<S>,
+    value: F32s<S>,
+    position: Vec3s<S>,
+    asked: Mask<S>,
+) -> Surface<S> {
     match method {
         Classify::Table => table.at(value),
         Classify::Identity { black, white } => grey::at(value, black, white),
@@ -43,12 +45,13 @@ pub fn classify(
             high_per_mm,
         } => {
             let mut surface = table.at(value);
-            if F32s::ZERO.lt(surface.opacity).any() {
+            let asked = asked & F32s::zero().lt(surface.opacity);
+            if asked.any() {
                 // The gradient of the value: that of the opacity would ask for this very function.
-                let gradient = gradients.of_values(values, position);
+                let gradient = gradients.of_values(values, position, asked);
                 let above = length(gradient) - F32s::splat(low_per_mm);
                 let span = F32s::splat((high_per_mm - low_per_mm).max(1e-30));
-                let part = above.over(span).max(F32s::ZERO).min(F32s::splat(1.0));
+                let part = above.over(span).max(F32s::zero()).min(F32s::splat(1.0));
                 surface.opacity = surface.opacity * part;
             }
             surface

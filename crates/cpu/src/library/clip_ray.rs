@@ -4,20 +4,29 @@ mod depth;
 mod extent;
 mod plane;
 
-use strahl_scene::plan::{Plan, Ray};
+use crate::doubles::F64s;
+use crate::levels::Level;
+use crate::ray::Rays;
+use strahl_scene::plan::Plan;
 
-/// Where the ray enters and leaves what is drawn of object number `object` in front of opaque
-/// geometry at `opaque_mm`, in mm from its origin; `None` if it misses.
+/// Where the rays enter and leave what is drawn of object number `object` in front of opaque
+/// geometry at `opaque_mm`, in mm from their origins; a ray that leaves before it enters misses.
 ///
 /// In double precision: this lays the lattice, and happens once per ray.
-pub fn interval(plan: &Plan, object: usize, ray: &Ray, opaque_mm: f64) -> Option<[f64; 2]> {
+#[inline(always)]
+pub fn interval<S: Level>(
+    plan: &Plan,
+    object: usize,
+    rays: &Rays<S>,
+    opaque_mm: F64s<S>,
+) -> [F64s<S>; 2] {
     let grid = &plan.objects[object].grid;
-    let mut interval = extent::clip(grid, ray, [0.0, f64::INFINITY]);
+    let ahead = [F64s::splat(0.0), F64s::splat(f64::INFINITY)];
+    let mut interval = extent::clip(grid, rays, ahead);
     for clip in &plan.ray_clips {
         if clip.objects >> object & 1 == 1 {
-            interval = plane::clip(clip, ray, interval);
+            interval = plane::clip(clip, rays, interval);
         }
     }
-    interval = depth::clip(opaque_mm, interval);
-    (interval[0] < interval[1]).then_some(interval)
+    depth::clip(opaque_mm, interval)
 }

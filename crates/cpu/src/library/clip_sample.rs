@@ -4,36 +4,37 @@ mod mask;
 mod shapes;
 
 use crate::lanes::{Affine, Mask, Vec3s};
+use crate::levels::{Level, vectorized};
 use crate::library::reconstruct::Values;
 use strahl_scene::plan::{ClipShape, Plan};
 use strahl_volume::Grid;
 
 /// The sample clips of one object, in its voxel space.
-pub struct SampleClips<'v>(Vec<Clip<'v>>);
+pub struct SampleClips<'v, S: Level>(Vec<Clip<'v, S>>);
 
-struct Clip<'v> {
-    shape: Shape<'v>,
+struct Clip<'v, S: Level> {
+    shape: Shape<'v, S>,
     /// Voxel space → the cube from −0.5 to 0.5.
     unit_from_voxel: Affine,
     /// Whether the inside is kept (else the outside).
     keep_inside: bool,
 }
 
-enum Shape<'v> {
+enum Shape<'v, S: Level> {
     Box,
     Ellipsoid,
     Cylinder,
-    Mask(&'v dyn Values, f32),
+    Mask(&'v dyn Values<S>, f32),
 }
 
-impl<'v> SampleClips<'v> {
+impl<'v, S: Level> SampleClips<'v, S> {
     /// The clips of `plan` for object number `object`, which lies on `grid`.
     pub fn new(
         plan: &Plan,
         object: usize,
         grid: &Grid,
-        masks: &'v [Box<dyn Values + 'v>],
-    ) -> SampleClips<'v> {
+        masks: &'v [Box<dyn Values<S> + 'v>],
+    ) -> SampleClips<'v, S> {
         let of_object = |clip: &&strahl_scene::plan::SampleClip| clip.objects >> object & 1 == 1;
         let clips = plan.sample_clips.iter().filter(of_object);
         let clip = |clip: &strahl_scene::plan::SampleClip| Clip {
@@ -51,7 +52,23 @@ impl<'v> SampleClips<'v> {
 
     /// Where a sample at `position` (voxel space) is kept.
     #[inline(always)]
-    pub fn keep(&self, position: Vec3s, mut kept: Mask) -> Mask {
+    pub fn keep(&self, position: Vec3s<S>, asked: Mask<S>) -> Mask<S> {
+        if self.0.is_empty() {
+            return asked;
+        }
+        self.keep_some(position, asked)
+    }
+
+    #[inline(never)]
+    fn keep_some(&self, position: Vec3s<S>, asked: Mask<S>) -> Mask<S> {
+        vectorized::<S, _>(
+            #[inline(always)]
+            || self.kept(position, asked),
+        )
+    }
+
+    #[inline(always)]
+    fn kept(&self, position: Vec3s<S>, mut kept: Mask<S>) -> Mask<S> {
         for clip in &self.0 {
             let unit = clip.unit_from_voxel.point(position);
             let inside = match clip.shape {

@@ -6,16 +6,56 @@ mod noise;
 pub use marschner_lobb::MarschnerLobb;
 pub use noise::Noise;
 
-use crate::lanes::{F32s, I32s, LANES, Vec3s, lanes};
-use strahl_volume::{Grid, Sample};
+use crate::lanes::{F32s, I32s, Vec3s, each, lanes, words};
+use crate::levels::{Level, inlined};
+use strahl_volume::{Grid, Sample, SampleType};
 
 /// Where the voxels of a grid come from. Implemented per stored type and layout; everything above
 /// works on numbers.
-pub trait Fetch: Sync {
+pub trait Fetch<S: Level>: Sync {
     /// The size of the grid.
     fn shape(&self) -> &Shape;
-    /// The stored numbers of the voxels at `index` (x + nx·(y + ny·z), inside the grid).
-    fn fetch(&self, index: [usize; LANES]) -> F32s;
+
+    /// The stored numbers of voxels, which lie inside the grid.
+    fn fetch(&self, voxel: [I32s<S>; 3]) -> F32s<S>;
+
+    /// The stored numbers at the corners of cells.
+    #[inline(always)]
+    fn corners(&self, cell: [I32s<S>; 3]) -> Corners<S> {
+        let [dx, dy, dz] = each!(self.shape().across, |stride| i32::from(stride > 0));
+        let pair = inlined(
+            #[inline(always)]
+            |y: i32, z: i32| {
+                let [x, y, z] = [cell[0], cell[1] + I32s::splat(y), cell[2] + I32s::splat(z)];
+                [
+                    self.fetch([x, y, z]),
+                    self.fetch([x + I32s::splat(dx), y, z]),
+                ]
+            },
+        );
+        [pair(0, 0), pair(dy, 0), pair(0, dz), pair(dy, dz)]
+    }
+
+    /// The stored numbers of the voxels one further out along each axis, too, of cells that are not at
+    /// the border; `None` where voxels have to be fetched one by one.
+    #[inline(always)]
+    fn surroundings(&self, _cell: [I32s<S>; 3]) -> Option<Surroundings<S>> {
+        None
+    }
+}
+
+/// Pairs along x, at (y, z) = (0, 0), (1, 0), (0, 1), (1, 1).
+pub type Corners<S> = [[F32s<S>; 2]; 4];
+
+/// What central differences in a cell need.
+pub struct Surroundings<S: Level> {
+    /// From x − 1 to x + 2, in the order of [`Corners`].
+    pub along_x: [[F32s<S>; 4]; 4],
+    /// The corners of the cells at y − 1 and y + 1, as far as they are not in the cell itself: pairs at
+    /// (y, z) = (−1, 0), (2, 0), (−1, 1), (2, 1).
+    pub along_y: Corners<S>,
+    /// Pairs at (y, z) = (0, −1), (1, −1), (0, 2), (1, 2).
+    pub along_z: Corners<S>,
 }
 
 /// The size of a grid in the forms that reconstruction needs.
@@ -46,44 +86,44 @@ impl Shape {
 
     /// A position clamped to the hull of the voxel centres.
     #[inline(always)]
-    pub fn clamp(&self, position: Vec3s) -> Vec3s {
-        let clamp = |axis: usize| {
-            position[axis]
-                .max(F32s::ZERO)
-                .min(F32s::splat(self.last[axis]))
-        };
+    pub fn clamp<S: Level>(&self, position: Vec3s<S>) -> Vec3s<S> {
+        let clamp = inlined(
+            #[inline(always)]
+            |axis: usize| {
+                position[axis]
+                    .max(F32s::zero())
+                    .min(F32s::splat(self.last[axis]))
+            },
+        );
         [clamp(0), clamp(1), clamp(2)]
     }
 
     /// The cell that a clamped position lies in.
     #[inline(always)]
-    pub fn cell(&self, clamped: Vec3s) -> [I32s; 3] {
-        let cell = |axis: usize| clamped[axis].to_i32s().min(self.last_cell[axis]);
+    pub fn cell<S: Level>(&self, clamped: Vec3s<S>) -> [I32s<S>; 3] {
+        let cell = inlined(
+            #[inline(always)]
+            |axis: usize| clamped[axis].to_i32s().min(self.last_cell[axis]),
+        );
         [cell(0), cell(1), cell(2)]
-    }
-
-    /// The voxel with this index.
-    #[inline(always)]
-    pub fn voxel(&self, index: usize) -> [usize; 3] {
-        let [_, row, slice] = self.stride;
-        [index % row, index % slice / row, index / slice]
     }
 
     /// A voxel moved to the border if it lies beyond.
     #[inline(always)]
-    pub fn clamp_voxel(&self, voxel: [I32s; 3]) -> [I32s; 3] {
-        let clamp = |axis: usize| voxel[axis].max(0).min(self.last[axis] as i32);
+    pub fn clamp_voxel<S: Level>(&self, voxel: [I32s<S>; 3]) -> [I32s<S>; 3] {
+        let clamp = inlined(
+            #[inline(always)]
+            |axis: usize| voxel[axis].max(0).min(self.last[axis] as i32),
+        );
         [clamp(0), clamp(1), clamp(2)]
     }
 
-    /// Index of the voxel (x, y, z); 64 bits wide, as volumes may exceed 4 GiB.
+    /// Index of the voxel (x, y, z) in one lane; 64 bits wide, as volumes may exceed 4 GiB.
     #[inline(always)]
-    pub fn index(&self, voxel: [I32s; 3]) -> [usize; LANES] {
-        lanes(|i| {
-            voxel[0].0[i] as usize
-                + self.stride[1] * voxel[1].0[i] as usize
-                + self.stride[2] * voxel[2].0[i] as usize
-        })
+    pub fn index<S: Level>(&self, voxel: [I32s<S>; 3], lane: usize) -> usize {
+        voxel[0].lane(lane) as usize
+            + self.stride[1] * voxel[1].lane(lane) as usize
+            + self.stride[2] * voxel[2].lane(lane) as usize
     }
 }
 
@@ -91,6 +131,8 @@ impl Shape {
 pub struct Linear<'v, T> {
     samples: &'v [T],
     shape: Shape,
+    /// Whether words of four bytes can be gathered: small enough for 32-bit offsets.
+    is_gathered: bool,
 }
 
 impl<'v, T: Sample> Linear<'v, T> {
@@ -100,21 +142,194 @@ impl<'v, T: Sample> Linear<'v, T> {
     /// If their number is not that of the grid.
     pub fn new(grid: &Grid, samples: &'v [T]) -> Linear<'v, T> {
         assert_eq!(samples.len(), grid.voxel_count());
+        let bytes = size_of_val(samples);
+        let has_words = !matches!(T::TYPE, SampleType::U32 | SampleType::F64);
         Linear {
             samples,
             shape: Shape::new(grid),
+            is_gathered: has_words
+                && cfg!(target_endian = "little")
+                && (4..=i32::MAX as usize).contains(&bytes),
+        }
+    }
+
+    const SIZE: i32 = size_of::<T>() as i32;
+
+    /// In bytes, where `is_gathered`.
+    #[inline(always)]
+    fn offset<S: Level>(&self, voxel: [I32s<S>; 3]) -> I32s<S> {
+        let [_, row, slice] = self.shape.stride;
+        let index =
+            voxel[0] + voxel[1] * I32s::splat(row as i32) + voxel[2] * I32s::splat(slice as i32);
+        index * I32s::splat(Self::SIZE)
+    }
+
+    /// The words that begin `bytes` behind `offset`.
+    ///
+    /// # Safety
+    /// They lie inside the samples.
+    #[inline(always)]
+    unsafe fn words<S: Level>(&self, offset: I32s<S>, bytes: i32) -> I32s<S> {
+        let all: &[u8] = bytemuck::cast_slice(self.samples);
+        let offset = offset + I32s::splat(bytes);
+        // SAFETY: as the caller promises.
+        unsafe { words(all, offset) }
+    }
+
+    /// The numbers `further` samples behind voxels, without gathering.
+    #[cold]
+    #[inline(never)]
+    fn one_by_one<S: Level>(&self, voxel: [I32s<S>; 3], further: usize) -> F32s<S> {
+        let number = |lane| self.samples[self.shape.index(voxel, lane) + further].to_f32();
+        F32s::from_array(lanes(number))
+    }
+
+    /// The number whose lowest byte is byte `AT` of each word.
+    #[inline(always)]
+    fn number<S: Level, const AT: u32>(words: I32s<S>) -> F32s<S> {
+        let unsigned = inlined(
+            #[inline(always)]
+            |bits: u32| {
+                let number = words.shifted_down(8 * AT).and((1 << bits) - 1);
+                number.to_f32s()
+            },
+        );
+        let signed = inlined(
+            #[inline(always)]
+            |bits: u32| {
+                let top = words.shifted_up(32 - 8 * AT - bits);
+                top.shifted_down(32 - bits).to_f32s()
+            },
+        );
+        match T::TYPE {
+            SampleType::U8 => unsigned(8),
+            SampleType::I8 => signed(8),
+            SampleType::U16 => unsigned(16),
+            SampleType::I16 => signed(16),
+            SampleType::I32 => words.to_f32s(),
+            SampleType::F32 => words.as_bits(),
+            SampleType::U32 | SampleType::F64 => unreachable!("these are not gathered"),
+        }
+    }
+
+    /// The number at `offset`, and the one behind it.
+    ///
+    /// # Safety
+    /// Two samples, and four bytes, lie there inside the samples.
+    #[inline(always)]
+    unsafe fn pair<S: Level>(&self, offset: I32s<S>, bytes: i32) -> [F32s<S>; 2] {
+        // SAFETY: as the caller promises.
+        unsafe {
+            let first = self.words(offset, bytes);
+            match Self::SIZE {
+                1 => [Self::number::<S, 0>(first), Self::number::<S, 1>(first)],
+                2 => [Self::number::<S, 0>(first), Self::number::<S, 2>(first)],
+                _ => {
+                    let second = self.words(offset, bytes + Self::SIZE);
+                    [Self::number::<S, 0>(first), Self::number::<S, 0>(second)]
+                }
+            }
+        }
+    }
+
+    /// Four numbers from `offset` on.
+    ///
+    /// # Safety
+    /// They lie inside the samples.
+    #[inline(always)]
+    unsafe fn four<S: Level>(&self, offset: I32s<S>, bytes: i32) -> [F32s<S>; 4] {
+        // SAFETY: as the caller promises.
+        unsafe {
+            if Self::SIZE == 1 {
+                let words = self.words(offset, bytes);
+                return [
+                    Self::number::<S, 0>(words),
+                    Self::number::<S, 1>(words),
+                    Self::number::<S, 2>(words),
+                    Self::number::<S, 3>(words),
+                ];
+            }
+            let [a, b] = self.pair(offset, bytes);
+            let [c, d] = self.pair(offset, bytes + 2 * Self::SIZE);
+            [a, b, c, d]
         }
     }
 }
 
-impl<T: Sample> Fetch for Linear<'_, T> {
+impl<S: Level, T: Sample> Fetch<S> for Linear<'_, T> {
     #[inline(always)]
     fn shape(&self) -> &Shape {
         &self.shape
     }
 
     #[inline(always)]
-    fn fetch(&self, index: [usize; LANES]) -> F32s {
-        F32s(lanes(|i| self.samples[index[i]].to_f32()))
+    fn fetch(&self, voxel: [I32s<S>; 3]) -> F32s<S> {
+        let last_word = size_of_val(self.samples) as i64 - 4;
+        if self.is_gathered {
+            let offset = self.offset(voxel);
+            if Self::SIZE == 4 || !I32s::splat(last_word as i32).lt(offset).any() {
+                // SAFETY: `voxel` lies inside the grid, and four bytes from there on do.
+                return Self::number::<S, 0>(unsafe { self.words(offset, 0) });
+            }
+        }
+        self.one_by_one(voxel, 0)
+    }
+
+    #[inline(always)]
+    fn corners(&self, cell: [I32s<S>; 3]) -> Corners<S> {
+        let [dx, dy, dz] = self.shape.across;
+        let bytes = |stride: usize| stride as i32 * Self::SIZE;
+        if self.is_gathered && dx == 1 {
+            // The last pair of a cell is read as one word, which may end behind it.
+            let last = size_of_val(self.samples) as i32 - 4.max(2 * Self::SIZE) - bytes(dy + dz);
+            let offset = self.offset(cell);
+            if !I32s::splat(last).lt(offset).any() {
+                // SAFETY: the furthest pair begins at most at `last`.
+                return unsafe {
+                    [
+                        self.pair(offset, 0),
+                        self.pair(offset, bytes(dy)),
+                        self.pair(offset, bytes(dz)),
+                        self.pair(offset, bytes(dy + dz)),
+                    ]
+                };
+            }
+        }
+        let pair = inlined(
+            #[inline(always)]
+            |rows: usize| {
+                [
+                    self.one_by_one(cell, rows),
+                    self.one_by_one(cell, rows + dx),
+                ]
+            },
+        );
+        [pair(0), pair(dy), pair(dz), pair(dy + dz)]
+    }
+
+    #[inline(always)]
+    fn surroundings(&self, cell: [I32s<S>; 3]) -> Option<Surroundings<S>> {
+        let [_, row, slice] = each!(self.shape.stride, |stride| stride as i32 * Self::SIZE);
+        if !self.is_gathered || self.shape.last_cell.iter().any(|&last| last < 2) {
+            return None;
+        }
+        let offset = self.offset(cell);
+        // SAFETY: the cell is not at the border: there are voxels from −1 to 2 along each axis, and for
+        // the words behind pairs a whole slice of rows of four or more.
+        Some(unsafe {
+            let four = inlined(
+                #[inline(always)]
+                |y: i32, z: i32| self.four(offset, y * row + z * slice - Self::SIZE),
+            );
+            let pair = inlined(
+                #[inline(always)]
+                |y: i32, z: i32| self.pair(offset, y * row + z * slice),
+            );
+            Surroundings {
+                along_x: [four(0, 0), four(1, 0), four(0, 1), four(1, 1)],
+                along_y: [pair(-1, 0), pair(2, 0), pair(-1, 1), pair(2, 1)],
+                along_z: [pair(0, -1), pair(1, -1), pair(0, 2), pair(1, 2)],
+            }
+        })
     }
 }

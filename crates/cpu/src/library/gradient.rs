@@ -4,7 +4,8 @@ mod b_spline;
 mod differences;
 mod sobel;
 
-use crate::lanes::{F32s, Vec3s};
+use crate::lanes::{F32s, Mask, Vec3s, each};
+use crate::levels::Level;
 use crate::library::reconstruct::Values;
 use strahl_scene::plan::{Gradient, GradientMethod};
 use strahl_volume::Grid;
@@ -32,15 +33,27 @@ impl Gradients {
         self.method.input
     }
 
-    /// The gradient of the values at `position` (voxel space).
+    /// The gradient of the values at `position` (voxel space) where `asked`; anything elsewhere.
     #[inline(always)]
-    pub fn of_values(&self, values: &dyn Values, position: Vec3s) -> Vec3s {
+    pub fn of_values<S: Level>(
+        &self,
+        values: &dyn Values<S>,
+        position: Vec3s<S>,
+        asked: Mask<S>,
+    ) -> Vec3s<S> {
+        if self.method.method == GradientMethod::Central {
+            return self.in_world(values.central_differences(position, asked));
+        }
         self.of(&|position| values.at(position), position)
     }
 
     /// The gradient of any field.
-    #[inline(never)]
-    pub fn of(&self, field: &dyn Fn(Vec3s) -> F32s, position: Vec3s) -> Vec3s {
+    #[inline(always)]
+    pub fn of<S: Level>(
+        &self,
+        field: &impl Fn(Vec3s<S>) -> F32s<S>,
+        position: Vec3s<S>,
+    ) -> Vec3s<S> {
         let in_voxel = match self.method.method {
             GradientMethod::Forward => differences::forward(field, position),
             GradientMethod::Backward => differences::backward(field, position),
@@ -49,7 +62,12 @@ impl Gradients {
             GradientMethod::Sobel => sobel::per_voxel(field, position),
             GradientMethod::BSpline => b_spline::per_voxel(field, position),
         };
-        self.world_from_voxel.map(|row| {
+        self.in_world(in_voxel)
+    }
+
+    #[inline(always)]
+    fn in_world<S: Level>(&self, in_voxel: Vec3s<S>) -> Vec3s<S> {
+        each!(self.world_from_voxel, |row| {
             in_voxel[0] * F32s::splat(row[0])
                 + in_voxel[1] * F32s::splat(row[1])
                 + in_voxel[2] * F32s::splat(row[2])

@@ -8,22 +8,23 @@ mod cook_torrance;
 mod lambert;
 mod phong;
 
-use crate::lanes::{F32s, Vec3s, dot};
+use crate::lanes::{F32s, Vec3s, dot, each};
+use crate::levels::Level;
 use strahl_scene::plan::Illuminate;
 
 /// What one light does to a surface.
 #[inline(always)]
-pub fn illuminate(
+pub fn illuminate<S: Level>(
     model: Illuminate,
-    color: Vec3s,
-    normal: Vec3s,
-    to_eye: Vec3s,
-    to_light: Vec3s,
-    radiance: Vec3s,
-) -> Vec3s {
+    color: Vec3s<S>,
+    normal: Vec3s<S>,
+    to_eye: Vec3s<S>,
+    to_light: Vec3s<S>,
+    radiance: Vec3s<S>,
+) -> Vec3s<S> {
     let cosine = dot(normal, to_light);
-    let lit = F32s::ZERO.lt(cosine);
-    let cosine = cosine.max(F32s::ZERO);
+    let lit = F32s::zero().lt(cosine);
+    let cosine = cosine.max(F32s::zero());
     let surface = Surface {
         normal,
         to_eye,
@@ -48,15 +49,17 @@ pub fn illuminate(
             reflectance,
         } => cook_torrance::parts(&surface, diffuse, roughness, reflectance),
     };
-    let highlight = lit.select(highlight, F32s::ZERO);
-    [0, 1, 2].map(|c| radiance[c] * (diffuse * color[c] + highlight))
+    let highlight = lit.select(highlight, F32s::zero());
+    each!([0, 1, 2], |c| {
+        radiance[c] * (diffuse * color[c] + highlight)
+    })
 }
 
 /// A surface under one light.
-struct Surface {
-    normal: Vec3s,
-    to_eye: Vec3s,
-    to_light: Vec3s,
+struct Surface<S: Level> {
+    normal: Vec3s<S>,
+    to_eye: Vec3s<S>,
+    to_light: Vec3s<S>,
     /// Of the angle between normal and light, 0 if it comes from behind.
-    cosine: F32s,
+    cosine: F32s<S>,
 }

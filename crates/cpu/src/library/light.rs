@@ -1,6 +1,7 @@
 //! Slot light: direction and strength of the light that reaches a place.
 
-use crate::lanes::{F32s, Vec3s, dot, scale, splat3};
+use crate::lanes::{F32s, Vec3s, dot, each, scale, splat3};
+use crate::levels::Level;
 use strahl_scene::plan::{Plan, PlanLight};
 
 /// A light in single precision.
@@ -51,7 +52,7 @@ impl Light {
 
     /// Unit vector towards the light, and linear RGB of what arrives at `place_mm`.
     #[inline(always)]
-    pub fn at(&self, place_mm: Vec3s, to_eye: Vec3s) -> (Vec3s, Vec3s) {
+    pub fn at<S: Level>(&self, place_mm: Vec3s<S>, to_eye: Vec3s<S>) -> (Vec3s<S>, Vec3s<S>) {
         match *self {
             Light::Directional { to_light, radiance } => (splat3(to_light), splat3(radiance)),
             Light::Head { radiance } => (to_eye, splat3(radiance)),
@@ -61,12 +62,12 @@ impl Light {
                 radiance,
             } => {
                 let lamp = splat3(lamp);
-                let way = [0, 1, 2].map(|axis| lamp[axis] - place_mm[axis]);
+                let way = each!([0, 1, 2], |axis| lamp[axis] - place_mm[axis]);
                 // At the lamp itself there is no direction and no end of brightness.
                 let nearest = F32s::splat(0.001 * reach_mm);
                 let distance = dot(way, way).sqrt().max(nearest);
                 let fall = F32s::splat(reach_mm).over(distance);
-                let direction = way.map(|w| w.over(distance));
+                let direction = each!(way, |w| w.over(distance));
                 (direction, scale(splat3(radiance), fall * fall))
             }
         }

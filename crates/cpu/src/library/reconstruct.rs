@@ -7,40 +7,44 @@ mod trilinear;
 
 pub use b_spline::weights as b_spline_weights;
 
-use crate::lanes::{F32s, I32s, Vec3s};
+use crate::lanes::{F32s, I32s, Mask, Vec3s, each};
+use crate::levels::{Level, inlined, vectorized};
 use crate::library::fetch::{Fetch, Linear, Shape};
 use strahl_scene::plan::Reconstruct;
 use strahl_volume::{Grid, Rescale, Samples, with_samples};
 
 /// The values of a volume anywhere: fetch, reconstruction and rescale in one, chosen once per object.
 ///
-/// A call through a table per packet costs little beside the eight times eight fetches behind it,
-/// and the loop is compiled once instead of once per type of sample.
-pub trait Values: Sync {
+/// A call through a table per packet costs little beside the fetches behind it, and the loop is compiled
+/// once per instruction set instead of once per type of sample, too.
+pub trait Values<S: Level>: Sync {
     /// The size of the grid.
     fn shape(&self) -> &Shape;
     /// The values at `position` (voxel space).
-    fn at(&self, position: Vec3s) -> F32s;
+    fn at(&self, position: Vec3s<S>) -> F32s<S>;
     /// The values of single voxels; indices beyond the border give the voxel at the border.
-    fn voxel(&self, voxel: [I32s; 3]) -> F32s;
+    fn voxel(&self, voxel: [I32s<S>; 3]) -> F32s<S>;
+    /// Half the difference between the values one voxel to either side of `position` along each axis,
+    /// where `asked`; anything elsewhere.
+    fn central_differences(&self, position: Vec3s<S>, asked: Mask<S>) -> Vec3s<S>;
 }
 
 /// The values of `samples` on `grid`.
-pub fn values<'v>(
+pub fn values<'v, S: Level>(
     grid: &Grid,
     samples: &'v Samples,
     rescale: Rescale,
     method: Reconstruct,
-) -> Box<dyn Values + 'v> {
+) -> Box<dyn Values<S> + 'v> {
     with_samples!(samples, samples => of_fetch(Linear::new(grid, samples), rescale, method))
 }
 
 /// The values of voxels that any function gives.
-pub fn of_fetch<'v, F: Fetch + 'v>(
+pub fn of_fetch<'v, S: Level, F: Fetch<S> + 'v>(
     fetch: F,
     rescale: Rescale,
     method: Reconstruct,
-) -> Box<dyn Values + 'v> {
+) -> Box<dyn Values<S> + 'v> {
     Box::new(Reconstruction {
         fetch,
         method,
@@ -59,18 +63,16 @@ struct Reconstruction<F> {
 
 impl<F> Reconstruction<F> {
     #[inline(always)]
-    fn rescaled(&self, stored: F32s) -> F32s {
+    fn rescaled<S: Level>(&self, stored: F32s<S>) -> F32s<S> {
         stored * F32s::splat(self.slope) + F32s::splat(self.intercept)
     }
-}
 
-impl<F: Fetch> Values for Reconstruction<F> {
-    fn shape(&self) -> &Shape {
-        self.fetch.shape()
-    }
-
-    fn at(&self, position: Vec3s) -> F32s {
-        self.rescaled(match self.method {
+    #[inline(always)]
+    fn stored<S: Level>(&self, position: Vec3s<S>) -> F32s<S>
+    where
+        F: Fetch<S>,
+    {
+        match self.method {
             Reconstruct::Nearest => nearest::stored(&self.fetch, position),
             Reconstruct::Trilinear => trilinear::stored(&self.fetch, position),
             // The fetched numbers are coefficients if the spline shall interpolate.
@@ -78,36 +80,110 @@ impl<F: Fetch> Values for Reconstruction<F> {
                 b_spline::stored(&self.fetch, position)
             }
             Reconstruct::CatmullRom => catmull_rom::stored(&self.fetch, position),
-        })
+        }
     }
 
-    fn voxel(&self, voxel: [I32s; 3]) -> F32s {
-        let shape = self.fetch.shape();
-        self.rescaled(self.fetch.fetch(shape.index(shape.clamp_voxel(voxel))))
+    /// The difference between the stored numbers one voxel ahead and one behind along each axis.
+    #[inline(never)]
+    fn difference<S: Level>(&self, position: Vec3s<S>) -> Vec3s<S>
+    where
+        F: Fetch<S>,
+    {
+        vectorized::<S, _>(
+            #[inline(always)]
+            || {
+                let mut difference = [F32s::zero(); 3];
+                for (axis, difference) in difference.iter_mut().enumerate() {
+                    for by in [1.0, -1.0] {
+                        let mut position = position;
+                        position[axis] += F32s::splat(by);
+                        *difference += self.stored(position) * F32s::splat(by);
+                    }
+                }
+                difference
+            },
+        )
+    }
+}
+
+impl<S: Level, F: Fetch<S>> Values<S> for Reconstruction<F> {
+    fn shape(&self) -> &Shape {
+        self.fetch.shape()
+    }
+
+    fn at(&self, position: Vec3s<S>) -> F32s<S> {
+        vectorized::<S, _>(
+            #[inline(always)]
+            || self.rescaled(self.stored(position)),
+        )
+    }
+
+    fn voxel(&self, voxel: [I32s<S>; 3]) -> F32s<S> {
+        vectorized::<S, _>(
+            #[inline(always)]
+            || {
+                let shape = self.fetch.shape();
+                self.rescaled(self.fetch.fetch(shape.clamp_voxel(voxel)))
+            },
+        )
+    }
+
+    fn central_differences(&self, position: Vec3s<S>, asked: Mask<S>) -> Vec3s<S> {
+        vectorized::<S, _>(
+            #[inline(always)]
+            || {
+                let half = F32s::splat(0.5 * self.slope);
+                let inside = if self.method == Reconstruct::Trilinear {
+                    trilinear::differences(&self.fetch, position, asked)
+                } else {
+                    None
+                };
+                let differences = match inside {
+                    None => self.difference(position),
+                    Some((differences, inside)) => {
+                        if (asked & !inside).any() {
+                            inside.select3(differences, self.difference(position))
+                        } else {
+                            differences
+                        }
+                    }
+                };
+                each!(differences, |difference| difference * half)
+            },
+        )
     }
 }
 
 /// A separable cubic kernel over the 4 × 4 × 4 voxels around a position, which is clamped to the hull
 /// of the voxel centres, and so are the voxels.
 #[inline(always)]
-fn cubic<F: Fetch>(fetch: &F, position: Vec3s, weights: impl Fn(F32s) -> [F32s; 4]) -> F32s {
+fn cubic<S: Level, F: Fetch<S>>(
+    fetch: &F,
+    position: Vec3s<S>,
+    weights: impl Fn(F32s<S>) -> [F32s<S>; 4],
+) -> F32s<S> {
     let shape = fetch.shape();
     let clamped = shape.clamp(position);
     let cell = shape.cell(clamped);
-    let weights = [0, 1, 2].map(|axis| weights(clamped[axis] - cell[axis].to_f32s()));
-    let tap = |tap: usize| {
-        let offset = I32s([tap as i32 - 1; _]);
-        shape.clamp_voxel([cell[0] + offset, cell[1] + offset, cell[2] + offset])
-    };
+    let weights = each!([0, 1, 2], |axis| {
+        weights(clamped[axis] - cell[axis].to_f32s())
+    });
+    let tap = inlined(
+        #[inline(always)]
+        |tap: usize| {
+            let offset = I32s::splat(tap as i32 - 1);
+            shape.clamp_voxel([cell[0] + offset, cell[1] + offset, cell[2] + offset])
+        },
+    );
     let taps = [tap(0), tap(1), tap(2), tap(3)];
-    let mut sum = F32s::ZERO;
+    let mut sum = F32s::zero();
     for z in 0..4 {
-        let mut plane = F32s::ZERO;
+        let mut plane = F32s::zero();
         for y in 0..4 {
-            let mut row = F32s::ZERO;
+            let mut row = F32s::zero();
             for x in 0..4 {
-                let index = shape.index([taps[x][0], taps[y][1], taps[z][2]]);
-                row += fetch.fetch(index) * weights[0][x];
+                let voxel = [taps[x][0], taps[y][1], taps[z][2]];
+                row += fetch.fetch(voxel) * weights[0][x];
             }
             plane += row * weights[1][y];
         }

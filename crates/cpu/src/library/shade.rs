@@ -3,6 +3,7 @@
 mod lit;
 
 use crate::lanes::{F32s, Mask, Vec3s, length};
+use crate::levels::Level;
 use crate::library::classify::Surface;
 use crate::library::light::Light;
 use strahl_scene::plan::{Plan, Shade};
@@ -14,13 +15,13 @@ pub struct Shading {
 }
 
 /// What a sample's shading may ask for.
-pub struct Place<'s> {
+pub struct Place<S: Level, G, P> {
     /// The gradient; called only if it matters.
-    pub gradient: &'s dyn Fn() -> Vec3s,
+    pub gradient: G,
     /// Where the sample is in the world; called only if it matters.
-    pub place_mm: &'s dyn Fn() -> Vec3s,
+    pub place_mm: P,
     /// Unit vector.
-    pub to_eye: Vec3s,
+    pub to_eye: Vec3s<S>,
 }
 
 impl Shading {
@@ -32,16 +33,22 @@ impl Shading {
         }
     }
 
+    /// Whether surfaces look as they are classified.
+    #[inline(always)]
+    pub fn is_unlit(&self) -> bool {
+        matches!(self.model, Shade::Unlit)
+    }
+
     /// The look of `surface` towards the eye. `last_normal` is the last normal of each ray that is
     /// `shaded`; 0 if there was none yet.
     #[inline(always)]
-    pub fn look(
+    pub fn look<S: Level>(
         &self,
-        surface: Surface,
-        place: &Place,
-        shaded: Mask,
-        last_normal: &mut Vec3s,
-    ) -> Surface {
+        surface: Surface<S>,
+        place: &Place<S, impl Fn() -> Vec3s<S>, impl Fn() -> Vec3s<S>>,
+        shaded: Mask<S>,
+        last_normal: &mut Vec3s<S>,
+    ) -> Surface<S> {
         match self.model {
             Shade::Unlit => surface,
             Shade::Lit {
@@ -49,7 +56,7 @@ impl Shading {
                 illuminate,
                 keep_last_normal,
             } => {
-                let mut unkept = [F32s::ZERO; 3];
+                let mut unkept = [F32s::zero(); 3];
                 let last_normal = if keep_last_normal {
                     last_normal
                 } else {

@@ -1,19 +1,20 @@
 use super::{Surface, Table};
-use crate::lanes::{F32s, I32s, Vec3s};
+use crate::lanes::{F32s, I32s, Vec3s, each};
+use crate::levels::Level;
 use crate::library::reconstruct::Values;
 
 /// The eight voxels around are classified, and the premultiplied colours interpolated: what programs
 /// did that classify first, for comparison.
-pub fn at(table: &Table, values: &dyn Values, position: Vec3s) -> Surface {
+pub fn at<S: Level>(table: &Table, values: &dyn Values<S>, position: Vec3s<S>) -> Surface<S> {
     let shape = values.shape();
     let clamped = shape.clamp(position);
     let cell = shape.cell(clamped);
-    let part = [0, 1, 2].map(|axis| clamped[axis] - cell[axis].to_f32s());
+    let part = each!([0, 1, 2], |axis| clamped[axis] - cell[axis].to_f32s());
     let one = F32s::splat(1.0);
-    let (mut colour, mut opacity) = ([F32s::ZERO; 3], F32s::ZERO);
+    let (mut colour, mut opacity) = ([F32s::zero(); 3], F32s::zero());
     for corner in 0..8 {
         let upper = |axis: usize| corner >> axis & 1;
-        let voxel = [0, 1, 2].map(|axis| cell[axis] + I32s([upper(axis); _]));
+        let voxel = each!([0, 1, 2], |axis| cell[axis] + I32s::splat(upper(axis)));
         let surface = table.at(values.voxel(voxel));
         let mut weight = surface.opacity;
         for (axis, &part) in part.iter().enumerate() {
@@ -24,9 +25,9 @@ pub fn at(table: &Table, values: &dyn Values, position: Vec3s) -> Surface {
         }
         opacity += weight;
     }
-    let divisor = F32s::ZERO.lt(opacity).select(opacity, one);
+    let divisor = F32s::zero().lt(opacity).select(opacity, one);
     Surface {
-        colour: colour.map(|c| c.over(divisor)),
+        colour: each!(colour, |c| c.over(divisor)),
         opacity,
     }
 }

@@ -1,5 +1,6 @@
 use super::Surface;
-use crate::lanes::{F32s, LANES, Mask};
+use crate::lanes::{F32s, I32s, Mask, rows};
+use crate::levels::{Level, inlined};
 use strahl_scene::transfer::TransferTable;
 
 /// A one-dimensional transfer function: the same arithmetic as [`TransferTable::at`], per lane.
@@ -22,25 +23,26 @@ impl<'p> Table<'p> {
 
     /// Colour and opacity of `value`; transparent black where it is NaN.
     #[inline(always)]
-    pub fn at(&self, value: F32s) -> Surface {
+    pub fn at<S: Level>(&self, value: F32s<S>) -> Surface<S> {
         let last = (self.entries.len() - 1) as f32;
-        let position = ((value - F32s::splat(self.lo)) * F32s::splat(self.entries_per_value))
-            .max(F32s::ZERO)
+        let lo = F32s::splat(self.lo);
+        let position = ((value - lo) * F32s::splat(self.entries_per_value))
+            .max(F32s::zero())
             .min(F32s::splat(last));
         let index = position.to_i32s().min(self.entries.len() as i32 - 2);
         let part = position - index.to_f32s();
-        let mut lower = [F32s::ZERO; 4];
-        let mut upper = [F32s::ZERO; 4];
-        for lane in 0..LANES {
-            let at = index.0[lane] as usize;
-            let [a, b] = [self.entries[at], self.entries[at + 1]];
-            for channel in 0..4 {
-                lower[channel].0[lane] = a[channel];
-                upper[channel].0[lane] = b[channel];
-            }
-        }
-        let is_number: Mask = value.eq(value);
-        let channel = |c: usize| is_number.select(lower[c].lerp(upper[c], part), F32s::ZERO);
+        let above = index + I32s::splat(1);
+        // SAFETY: the index is that of the last entry but one at most: `max` and `min` leave no other
+        // value, not even for NaN.
+        let (below, above) = unsafe { (rows(self.entries, index), rows(self.entries, above)) };
+        let is_number: Mask<S> = value.eq(value);
+        let channel = inlined(
+            #[inline(always)]
+            |c: usize| {
+                let value = below[c].lerp(above[c], part);
+                is_number.select(value, F32s::zero())
+            },
+        );
         Surface {
             colour: [channel(0), channel(1), channel(2)],
             opacity: channel(3),
@@ -51,6 +53,8 @@ impl<'p> Table<'p> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lanes::LANES;
+    use crate::levels::Portable;
     use proptest::prelude::*;
 
     proptest! {
@@ -63,8 +67,8 @@ mod tests {
         ) {
             let table = TransferTable::new([lo, lo + width], 1.0, entries);
             for value in [lo + width * share, f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
-                let got = Table::new(&table).at(F32s::splat(value));
-                let got = [got.colour[0], got.colour[1], got.colour[2], got.opacity].map(|c| c.0[LANES - 1]);
+                let got = Table::new(&table).at(F32s::<Portable>::splat(value));
+                let got = [got.colour[0], got.colour[1], got.colour[2], got.opacity].map(|c| c.lane(LANES - 1));
                 prop_assert_eq!(got, table.at(value));
             }
         }

@@ -1,5 +1,9 @@
+use crate::doubles::F64s;
+use crate::levels::Level;
+
 /// Cuts to what lies before opaque geometry at `opaque_mm`; an occluder before the entry leaves
 /// nothing.
-pub fn clip(opaque_mm: f64, [t0, t1]: [f64; 2]) -> [f64; 2] {
+#[inline(always)]
+pub fn clip<S: Level>(opaque_mm: F64s<S>, [t0, t1]: [F64s<S>; 2]) -> [F64s<S>; 2] {
     [t0, t1.min(opaque_mm)]
 }

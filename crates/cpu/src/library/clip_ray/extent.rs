@@ -1,24 +1,28 @@
-use strahl_scene::plan::Ray;
+use crate::doubles::{F64s, moved, turned};
+use crate::levels::Level;
+use crate::ray::Rays;
 use strahl_volume::Grid;
 
 /// Cuts to the sampled extent: the slab test in voxel space, so that oblique and sheared grids need
 /// nothing more.
-pub fn clip(grid: &Grid, ray: &Ray, [mut t0, mut t1]: [f64; 2]) -> [f64; 2] {
-    let origin = grid.voxel_from_world().transform_point3(ray.origin_mm);
-    let direction = grid.voxel_from_world().transform_vector3(ray.direction);
+#[inline(always)]
+pub fn clip<S: Level>(grid: &Grid, rays: &Rays<S>, [mut t0, mut t1]: [F64s<S>; 2]) -> [F64s<S>; 2] {
+    let voxel_from_world = grid.voxel_from_world();
+    let origin = moved(&voxel_from_world, rays.origin_mm);
+    let direction = turned(&voxel_from_world, rays.direction);
     let (lo, hi) = grid.extent_in_voxels();
+    let (zero, far) = (F64s::splat(0.0), F64s::splat(f64::INFINITY));
     for axis in 0..3 {
         let (o, d) = (origin[axis], direction[axis]);
-        if d == 0.0 {
-            // 0/0 has no sign: a parallel ray is inside or outside all along.
-            if o < lo[axis] || o > hi[axis] {
-                t1 = f64::NEG_INFINITY;
-            }
-            continue;
-        }
-        let (a, b) = ((lo[axis] - o) / d, (hi[axis] - o) / d);
-        t0 = t0.max(a.min(b));
-        t1 = t1.min(a.max(b));
+        let (lo, hi) = (F64s::splat(lo[axis]), F64s::splat(hi[axis]));
+        let moves = zero.lt(d.abs());
+        let divisor = moves.select(d, F64s::splat(1.0));
+        let (a, b) = ((lo - o).over(divisor), (hi - o).over(divisor));
+        // 0/0 has no sign: a parallel ray is inside or outside all along.
+        let outside = o.lt(lo) | hi.lt(o);
+        let parallel = outside.select(-far, far);
+        t0 = t0.max(moves.select(a.min(b), -far));
+        t1 = t1.min(moves.select(a.max(b), parallel));
     }
     [t0, t1]
 }

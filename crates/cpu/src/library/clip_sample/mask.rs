@@ -1,13 +1,14 @@
-use crate::lanes::{F32s, Mask, Vec3s};
+use crate::lanes::{F32s, Mask, Vec3s, each};
+use crate::levels::Level;
 use crate::library::reconstruct::Values;
 
 /// Where the values of a mask, linear between its voxels, are above `threshold`; nowhere outside its
 /// extent.
 #[inline(always)]
-pub fn above(mask: &dyn Values, unit: Vec3s, threshold: f32) -> Mask {
+pub fn above<S: Level>(mask: &dyn Values<S>, unit: Vec3s<S>, threshold: f32) -> Mask<S> {
     let last = mask.shape().last;
     // The cube is the extent, which reaches half a voxel beyond the voxel centres.
-    let position = [0, 1, 2].map(|axis| {
+    let position = each!([0, 1, 2], |axis| {
         (unit[axis] + F32s::splat(0.5)) * F32s::splat(last[axis] + 1.0) - F32s::splat(0.5)
     });
     super::shapes::in_box(unit) & F32s::splat(threshold).lt(mask.at(position))

@@ -2,11 +2,12 @@
 
 use super::State;
 use crate::lanes::{F32s, Mask};
+use crate::levels::Level;
 
 /// Adds up, with W. Kahan's compensation, as thousands of samples of the same size would each lose
 /// their last bits.
 #[inline(always)]
-pub fn add(state: &mut State, sampled: Mask, value: F32s) {
+pub fn add<S: Level>(state: &mut State<S>, sampled: Mask<S>, value: F32s<S>) {
     let term = value - state.lost;
     let sum = state.value + term;
     let lost = (sum - state.value) - term;
@@ -19,6 +20,6 @@ pub fn add(state: &mut State, sampled: Mask, value: F32s) {
 
 /// The mean.
 #[inline(always)]
-pub fn mean(state: &State) -> F32s {
+pub fn mean<S: Level>(state: &State<S>) -> F32s<S> {
     state.value.over(state.number.max(F32s::splat(1.0)))
 }

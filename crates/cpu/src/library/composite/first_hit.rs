@@ -1,6 +1,7 @@
 //! The first place on the ray where the value reaches a threshold.
 
 use crate::lanes::{F32s, Mask};
+use crate::levels::Level;
 
 /// Halvings of the bracket around a hit: the place is exact to 1/4096 of a step.
 const HALVINGS: u32 = 12;
@@ -13,7 +14,11 @@ const HALVINGS: u32 = 12;
 /// Bisection, not a secant: it needs no value outside, so that it also finds the face of a clip box,
 /// and it cannot leave the bracket.
 #[inline(always)]
-pub fn refine(mut outside: F32s, mut inside: F32s, reached: impl Fn(F32s) -> Mask) -> F32s {
+pub fn refine<S: Level>(
+    mut outside: F32s<S>,
+    mut inside: F32s<S>,
+    reached: impl Fn(F32s<S>) -> Mask<S>,
+) -> F32s<S> {
     for _ in 0..HALVINGS {
         let middle = (outside + inside) * F32s::splat(0.5);
         let reached = reached(middle);

@@ -1,5 +1,6 @@
 use super::{Fetch, Shape};
-use crate::lanes::{F32s, LANES, lanes};
+use crate::lanes::{F32s, I32s, each, lanes};
+use crate::levels::Level;
 use std::f32::consts::TAU;
 
 /// The test signal of S. Marschner and R. Lobb (Visualization 1994) with −1 to 1 over the voxel centres
@@ -11,14 +12,14 @@ pub struct MarschnerLobb {
     pub alpha: f32,
 }
 
-impl Fetch for MarschnerLobb {
+impl<S: Level> Fetch<S> for MarschnerLobb {
     fn shape(&self) -> &Shape {
         &self.shape
     }
 
-    fn fetch(&self, index: [usize; LANES]) -> F32s {
-        F32s(lanes(|i| {
-            let voxel = self.shape.voxel(index[i]);
+    fn fetch(&self, voxel: [I32s<S>; 3]) -> F32s<S> {
+        F32s::from_array(lanes(|i| {
+            let voxel = each!(voxel, |axis| axis.lane(i) as usize);
             let [x, y, z] = [0, 1, 2].map(|axis: usize| {
                 let last = self.shape.last[axis].max(1.0);
                 2.0 * voxel[axis] as f32 / last - 1.0

@@ -1,5 +1,6 @@
 use super::{Fetch, Shape};
-use crate::lanes::{F32s, LANES, lanes};
+use crate::lanes::{F32s, I32s, each, lanes};
+use crate::levels::Level;
 
 /// Value noise: random numbers on a lattice, joined by cubics without overshoot (3t² − 2t³), each octave
 /// of half the size and half the strength; 0 to 1.
@@ -58,12 +59,14 @@ fn random(x: u32, y: u32, z: u32, seed: u32) -> f32 {
     (h >> 8) as f32 / 16_777_216.0
 }
 
-impl Fetch for Noise {
+impl<S: Level> Fetch<S> for Noise {
     fn shape(&self) -> &Shape {
         &self.shape
     }
 
-    fn fetch(&self, index: [usize; LANES]) -> F32s {
-        F32s(lanes(|i| self.at(self.shape.voxel(index[i]))))
+    fn fetch(&self, voxel: [I32s<S>; 3]) -> F32s<S> {
+        F32s::from_array(lanes(|i| {
+            self.at(each!(voxel, |axis| axis.lane(i) as usize))
+        }))
     }
 }

@@ -1,36 +1,41 @@
 //! Differences along the voxel axes.
 
-use crate::lanes::{F32s, Vec3s};
+use crate::lanes::{F32s, Vec3s, each};
+use crate::levels::Level;
 
 /// A position moved along one axis, in voxels.
 #[inline(always)]
-fn moved(mut position: Vec3s, axis: usize, by: f32) -> Vec3s {
+fn moved<S: Level>(mut position: Vec3s<S>, axis: usize, by: f32) -> Vec3s<S> {
     position[axis] += F32s::splat(by);
     position
 }
 
 /// f(p + 1) − f(p): 4 values.
-pub fn forward(field: &dyn Fn(Vec3s) -> F32s, position: Vec3s) -> Vec3s {
+#[inline(always)]
+pub fn forward<S: Level>(field: &impl Fn(Vec3s<S>) -> F32s<S>, position: Vec3s<S>) -> Vec3s<S> {
     let here = field(position);
-    [0, 1, 2].map(|axis| field(moved(position, axis, 1.0)) - here)
+    each!([0, 1, 2], |axis| field(moved(position, axis, 1.0)) - here)
 }
 
 /// f(p) − f(p − 1): 4 values.
-pub fn backward(field: &dyn Fn(Vec3s) -> F32s, position: Vec3s) -> Vec3s {
+#[inline(always)]
+pub fn backward<S: Level>(field: &impl Fn(Vec3s<S>) -> F32s<S>, position: Vec3s<S>) -> Vec3s<S> {
     let here = field(position);
-    [0, 1, 2].map(|axis| here - field(moved(position, axis, -1.0)))
+    each!([0, 1, 2], |axis| here - field(moved(position, axis, -1.0)))
 }
 
 /// Half the difference one voxel to either side: 6 values.
-pub fn central(field: &dyn Fn(Vec3s) -> F32s, position: Vec3s) -> Vec3s {
-    [0, 1, 2].map(|axis| {
+#[inline(always)]
+pub fn central<S: Level>(field: &impl Fn(Vec3s<S>) -> F32s<S>, position: Vec3s<S>) -> Vec3s<S> {
+    each!([0, 1, 2], |axis| {
         let ahead = field(moved(position, axis, 1.0));
         (ahead - field(moved(position, axis, -1.0))) * F32s::splat(0.5)
     })
 }
 
 /// The mean of central differences here and at the corners half a voxel around: 54 values.
-pub fn central_9(field: &dyn Fn(Vec3s) -> F32s, position: Vec3s) -> Vec3s {
+#[inline(always)]
+pub fn central_9<S: Level>(field: &impl Fn(Vec3s<S>) -> F32s<S>, position: Vec3s<S>) -> Vec3s<S> {
     let mut sum = central(field, position);
     for corner in 0..8 {
         let mut at = position;
@@ -41,5 +46,5 @@ pub fn central_9(field: &dyn Fn(Vec3s) -> F32s, position: Vec3s) -> Vec3s {
             *sum += part;
         }
     }
-    sum.map(|s| s * F32s::splat(1.0 / 9.0))
+    each!(sum, |s| s * F32s::splat(1.0 / 9.0))
 }

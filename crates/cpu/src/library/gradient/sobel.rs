@@ -1,9 +1,11 @@
 use crate::lanes::{F32s, Vec3s};
+use crate::levels::Level;
 
 /// I. Sobel's masks in three dimensions, (−1, 0, 1) along one axis and (1, 2, 1) across it, scaled by
 /// 1/32 so that a ramp gives its slope: 27 positions.
-pub fn per_voxel(field: &dyn Fn(Vec3s) -> F32s, position: Vec3s) -> Vec3s {
-    let mut gradient = [F32s::ZERO; 3];
+#[inline(always)]
+pub fn per_voxel<S: Level>(field: &impl Fn(Vec3s<S>) -> F32s<S>, position: Vec3s<S>) -> Vec3s<S> {
+    let mut gradient = [F32s::zero(); 3];
     let steps = [-1i32, 0, 1];
     for z in steps {
         for y in steps {

@@ -1,5 +1,6 @@
 use super::Place;
-use crate::lanes::{F32s, Mask, Vec3s, dot, scale, splat3, unit};
+use crate::lanes::{F32s, Mask, Vec3s, dot, each, scale, splat3, unit};
+use crate::levels::Level;
 use crate::library::illuminate::illuminate;
 use crate::library::light::Light;
 use strahl_scene::plan::Illuminate;
@@ -8,21 +9,21 @@ use strahl_scene::plan::Illuminate;
 /// towards the eye, is the normal. Where it is 0 (or not finite) the last normal of the ray counts;
 /// where there is none, the colour stays as it is.
 #[inline(always)]
-pub fn colour(
+pub fn colour<S: Level>(
     lights: &[Light],
     model: Illuminate,
     ambient: f32,
-    surface: Vec3s,
-    place: &Place,
-    shaded: Mask,
-    last_normal: &mut Vec3s,
-) -> Vec3s {
+    surface: Vec3s<S>,
+    place: &Place<S, impl Fn() -> Vec3s<S>, impl Fn() -> Vec3s<S>>,
+    shaded: Mask<S>,
+    last_normal: &mut Vec3s<S>,
+) -> Vec3s<S> {
     let (normal, has_normal) = unit((place.gradient)());
     let normal = has_normal.select3(normal, *last_normal);
     *last_normal = shaded.select3(normal, *last_normal);
-    let lit = F32s::ZERO.lt(dot(normal, normal));
-    let facing_away = dot(normal, place.to_eye).lt(F32s::ZERO);
-    let normal = facing_away.select3(normal.map(|n| -n), normal);
+    let lit = F32s::zero().lt(dot(normal, normal));
+    let facing_away = dot(normal, place.to_eye).lt(F32s::zero());
+    let normal = facing_away.select3(each!(normal, |n| -n), normal);
     let place_mm = if lights.iter().any(Light::has_place) {
         (place.place_mm)()
     } else {
@@ -44,6 +45,7 @@ pub fn colour(
 mod tests {
     use super::*;
     use crate::lanes::LANES;
+    use crate::levels::Portable;
 
     const MODEL: Illuminate = Illuminate::BlinnPhong {
         diffuse: 0.5,
@@ -51,23 +53,27 @@ mod tests {
         shininess: 8.0,
     };
 
-    fn shade(gradient: [f32; 3], to_light: [f32; 3], last_normal: &mut Vec3s) -> [f32; 3] {
+    fn shade(
+        gradient: [f32; 3],
+        to_light: [f32; 3],
+        last_normal: &mut Vec3s<Portable>,
+    ) -> [f32; 3] {
         let light = Light::Directional {
             to_light,
             radiance: [1.0, 2.0, 1.0],
         };
         let place = Place {
-            gradient: &|| splat3(gradient),
-            place_mm: &|| splat3([0.0; 3]),
+            gradient: || splat3(gradient),
+            place_mm: || splat3([0.0; 3]),
             to_eye: splat3([0.0, 0.0, 1.0]),
         };
         let surface = splat3([0.5, 0.25, 0.0]);
-        let all = F32s::ZERO.le(F32s::ZERO);
-        colour(&[light], MODEL, 0.25, surface, &place, all, last_normal).map(|c| c.0[LANES - 1])
+        let all = F32s::zero().le(F32s::zero());
+        colour(&[light], MODEL, 0.25, surface, &place, all, last_normal).map(|c| c.lane(LANES - 1))
     }
 
     fn shade_first(gradient: [f32; 3], to_light: [f32; 3]) -> [f32; 3] {
-        shade(gradient, to_light, &mut [F32s::ZERO; 3])
+        shade(gradient, to_light, &mut [F32s::<Portable>::zero(); 3])
     }
 
     fn close(a: [f32; 3], b: [f32; 3]) {
@@ -98,7 +104,7 @@ mod tests {
     fn a_gradient_without_direction_is_unlit_or_lit_by_the_last_normal() {
         for gradient in [[0.0; 3], [f32::NAN, 1.0, 0.0], [f32::INFINITY, 0.0, 0.0]] {
             close(shade_first(gradient, [0.0, 0.0, 1.0]), [0.5, 0.25, 0.0]);
-            let mut last = [F32s::ZERO; 3];
+            let mut last = [F32s::<Portable>::zero(); 3];
             let lit = shade([0.0, 0.0, 2.0], [0.0, 0.0, 1.0], &mut last);
             close(shade(gradient, [0.0, 0.0, 1.0], &mut last), lit);
         }
