@@ -148,6 +148,42 @@ mod x86 {
     #[cfg(target_arch = "x86_64")]
     use std::arch::x86_64::*;
 
+    /// MINPS and MAXPS give their second operand unless the comparison holds.
+    macro_rules! min_and_max {
+        () => {
+            #[inline(always)]
+            fn lesser(self, a: f32x16<Self>, b: f32x16<Self>) -> f32x16<Self> {
+                self.min_f32x16(a, b)
+            }
+
+            #[inline(always)]
+            fn greater(self, a: f32x16<Self>, b: f32x16<Self>) -> f32x16<Self> {
+                self.max_f32x16(a, b)
+            }
+        };
+    }
+
+    /// Four vectors with a row of four numbers in each block of 128 bits → four with the first, second,
+    /// third, fourth numbers of the rows.
+    macro_rules! transposed {
+        (
+            $simd:expr, $rows:expr, $low:ident, $high:ident, $low_pairs:ident, $high_pairs:ident,
+            $pairs:ident, $singles:ident
+        ) => {{
+            let [a, b, c, d] = $rows;
+            let (ab, cd) = ($pairs($low(a, b)), $pairs($low(c, d)));
+            let (first, second) = ($low_pairs(ab, cd), $high_pairs(ab, cd));
+            let (ab, cd) = ($pairs($high(a, b)), $pairs($high(c, d)));
+            let (third, fourth) = ($low_pairs(ab, cd), $high_pairs(ab, cd));
+            [
+                $singles(first).simd_into($simd),
+                $singles(second).simd_into($simd),
+                $singles(third).simd_into($simd),
+                $singles(fourth).simd_into($simd),
+            ]
+        }};
+    }
+
     impl Level for Avx512 {
         #[inline(always)]
         fn proof() -> Avx512 {
@@ -155,16 +191,7 @@ mod x86 {
             unsafe { Avx512::assume_supported() }
         }
 
-        // MINPS and MAXPS give their second operand unless the comparison holds.
-        #[inline(always)]
-        fn lesser(self, a: f32x16<Self>, b: f32x16<Self>) -> f32x16<Self> {
-            self.min_f32x16(a, b)
-        }
-
-        #[inline(always)]
-        fn greater(self, a: f32x16<Self>, b: f32x16<Self>) -> f32x16<Self> {
-            self.max_f32x16(a, b)
-        }
+        min_and_max!();
 
         #[inline(always)]
         unsafe fn words(self, bytes: &[u8], offsets: i32x16<Self>) -> u32x16<Self> {
@@ -195,23 +222,16 @@ mod x86 {
                         _mm512_insertf32x4::<3>(blocks, row(12 + j))
                     },
                 );
-                let (a, b, c, d) = (blocks(0), blocks(1), blocks(2), blocks(3));
-                let pair = inlined(
-                    #[inline(always)]
-                    |a: __m512| _mm512_castps_pd(a),
-                );
-                let (ab, cd) = (_mm512_unpacklo_ps(a, b), _mm512_unpacklo_ps(c, d));
-                let first = _mm512_unpacklo_pd(pair(ab), pair(cd));
-                let second = _mm512_unpackhi_pd(pair(ab), pair(cd));
-                let (ab, cd) = (_mm512_unpackhi_ps(a, b), _mm512_unpackhi_ps(c, d));
-                let third = _mm512_unpacklo_pd(pair(ab), pair(cd));
-                let fourth = _mm512_unpackhi_pd(pair(ab), pair(cd));
-                [
-                    _mm512_castpd_ps(first).simd_into(self),
-                    _mm512_castpd_ps(second).simd_into(self),
-                    _mm512_castpd_ps(third).simd_into(self),
-                    _mm512_castpd_ps(fourth).simd_into(self),
-                ]
+                transposed!(
+                    self,
+                    [blocks(0), blocks(1), blocks(2), blocks(3)],
+                    _mm512_unpacklo_ps,
+                    _mm512_unpackhi_ps,
+                    _mm512_unpacklo_pd,
+                    _mm512_unpackhi_pd,
+                    _mm512_castps_pd,
+                    _mm512_castpd_ps
+                )
             }
         }
     }
@@ -223,16 +243,7 @@ mod x86 {
             unsafe { Avx2::assume_supported() }
         }
 
-        // MINPS and MAXPS give their second operand unless the comparison holds.
-        #[inline(always)]
-        fn lesser(self, a: f32x16<Self>, b: f32x16<Self>) -> f32x16<Self> {
-            self.min_f32x16(a, b)
-        }
-
-        #[inline(always)]
-        fn greater(self, a: f32x16<Self>, b: f32x16<Self>) -> f32x16<Self> {
-            self.max_f32x16(a, b)
-        }
+        min_and_max!();
 
         #[inline(always)]
         unsafe fn words(self, bytes: &[u8], offsets: i32x16<Self>) -> u32x16<Self> {
@@ -264,20 +275,16 @@ mod x86 {
                     #[inline(always)]
                     |from: usize| -> [f32x8<Avx2>; 4] {
                         let blocks = |j: usize| _mm256_set_m128(row(from + 4 + j), row(from + j));
-                        let (a, b, c, d) = (blocks(0), blocks(1), blocks(2), blocks(3));
-                        let pair = |a: __m256| _mm256_castps_pd(a);
-                        let (ab, cd) = (_mm256_unpacklo_ps(a, b), _mm256_unpacklo_ps(c, d));
-                        let first = _mm256_unpacklo_pd(pair(ab), pair(cd));
-                        let second = _mm256_unpackhi_pd(pair(ab), pair(cd));
-                        let (ab, cd) = (_mm256_unpackhi_ps(a, b), _mm256_unpackhi_ps(c, d));
-                        let third = _mm256_unpacklo_pd(pair(ab), pair(cd));
-                        let fourth = _mm256_unpackhi_pd(pair(ab), pair(cd));
-                        [
-                            _mm256_castpd_ps(first).simd_into(self),
-                            _mm256_castpd_ps(second).simd_into(self),
-                            _mm256_castpd_ps(third).simd_into(self),
-                            _mm256_castpd_ps(fourth).simd_into(self),
-                        ]
+                        transposed!(
+                            self,
+                            [blocks(0), blocks(1), blocks(2), blocks(3)],
+                            _mm256_unpacklo_ps,
+                            _mm256_unpackhi_ps,
+                            _mm256_unpacklo_pd,
+                            _mm256_unpackhi_pd,
+                            _mm256_castps_pd,
+                            _mm256_castpd_ps
+                        )
                     },
                 );
                 let (low, high) = (eight(0), eight(8));
@@ -298,16 +305,7 @@ mod x86 {
             unsafe { Sse2::assume_supported() }
         }
 
-        // MINPS and MAXPS give their second operand unless the comparison holds.
-        #[inline(always)]
-        fn lesser(self, a: f32x16<Self>, b: f32x16<Self>) -> f32x16<Self> {
-            self.min_f32x16(a, b)
-        }
-
-        #[inline(always)]
-        fn greater(self, a: f32x16<Self>, b: f32x16<Self>) -> f32x16<Self> {
-            self.max_f32x16(a, b)
-        }
+        min_and_max!();
 
         #[inline(always)]
         unsafe fn words(self, bytes: &[u8], offsets: i32x16<Self>) -> u32x16<Self> {

@@ -95,13 +95,16 @@ impl<S: Level> Packet<'_, S> {
         let mut k = F32s::zero();
         let mut live = k.lt(rays.count);
         let bound = match &object.skip {
-            Some(skip) if skip.is_of_largest() => self.least_maximum(object, skip, line),
-            _ => self.state.value,
+            Some(skip) if self.scenery.plan.composite == Composite::Mip => {
+                Some(self.least_maximum(object, skip, line))
+            }
+            _ => None,
         };
         while live.any() {
             let position = line.position(k + rays.jitter);
             if let Some(skip) = &object.skip {
-                let seen = bound.max(self.state.value);
+                let value = self.state.value;
+                let seen = bound.map_or(value, |bound| bound.max(value));
                 let jump = skip.jump(object.values.shape(), line, position, seen);
                 let empty = live & F32s::zero().lt(jump);
                 if empty.any() {
@@ -150,7 +153,7 @@ impl<S: Level> Packet<'_, S> {
                         let better = sampled & value.is_finite() & largest.lt(value);
                         largest = better.select(value, largest);
                     }
-                    // To the first of every eighth behind the jump.
+                    // As many strides as the jump covers, at least one.
                     let strides = (jump * F32s::splat(1.0 / STRIDE)).to_i32s().to_f32s();
                     k += strides.max(F32s::splat(1.0)) * stride;
                     live = k.lt(rays.count);

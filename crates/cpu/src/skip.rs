@@ -9,10 +9,8 @@ use crate::library::fetch::Shape;
 use crate::ray::{Line, NEVER};
 use glam::DVec3;
 use rayon::prelude::*;
-use std::sync::{Arc, Mutex, PoisonError};
-use strahl_scene::plan::{
-    Classify, Composite, Fetch, MOST_OBJECTS, Plan, PlanCamera, Projection, Reconstruct,
-};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use strahl_scene::plan::{Classify, Composite, Fetch, Plan, PlanCamera, Projection, Reconstruct};
 use strahl_scene::transfer::TransferTable;
 use strahl_scene::visibility::Contribution;
 use strahl_volume::Rescale;
@@ -100,9 +98,6 @@ struct Asked {
 }
 
 impl Recent {
-    /// Of how many objects knowledge is kept.
-    const KEPT: usize = MOST_OBJECTS;
-
     fn find(&self, bricks: &Bricks, plan: &Plan, object: usize) -> Knowledge {
         let placed = &plan.objects[object];
         let asked = Asked {
@@ -114,27 +109,24 @@ impl Recent {
             rescale: placed.rescale,
             table: placed.table.clone(),
         };
-        let mut all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let mut found = match all.iter().position(|found| found.of == asked) {
-            Some(place) => all.remove(place),
-            None => Found::new(asked, bricks, plan, object),
+        let known = {
+            let mut all = self.all();
+            let place = all.iter().position(|found| found.of == asked);
+            place.map(|place| all.remove(place))
         };
-        let octants = octants(plan, object) & !found.octants;
-        if let Knowledge::Cubes(cubes) = &mut found.knowledge
-            && octants != 0
-        {
-            let visible = &found.visible;
-            let cubes = Arc::make_mut(cubes).par_chunks_exact_mut(visible.len());
-            cubes
-                .enumerate()
-                .filter(|(octant, _)| octants >> octant & 1 == 1)
-                .for_each(|(octant, cubes)| find_cubes(bricks.dims(), visible, octant, cubes));
-            found.octants |= octants;
-        }
+        // Not under the lock: the threads that help here may draw other pictures meanwhile.
+        let mut found = known.unwrap_or_else(|| Found::new(asked, bricks, plan, object));
+        found.look_towards(octants(plan, object), bricks.dims());
         let knowledge = found.knowledge.clone();
+        let mut all = self.all();
         all.insert(0, found);
-        all.truncate(Recent::KEPT);
+        // What was found for other transfer functions would take an eighth of a `u8` volume each.
+        all.truncate(plan.objects.len());
         knowledge
+    }
+
+    fn all(&self) -> MutexGuard<'_, Vec<Found>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -176,6 +168,24 @@ impl Found {
             knowledge,
         }
     }
+
+    /// Finds the cubes of `octants` that are not known yet.
+    fn look_towards(&mut self, octants: u32, dims: [usize; 3]) {
+        let octants = octants & !self.octants;
+        let Knowledge::Cubes(cubes) = &mut self.knowledge else {
+            return;
+        };
+        if octants == 0 {
+            return;
+        }
+        let visible = &self.visible;
+        Arc::make_mut(cubes)
+            .par_chunks_exact_mut(visible.len())
+            .enumerate()
+            .filter(|(octant, _)| octants >> octant & 1 == 1)
+            .for_each(|(octant, cubes)| find_cubes(dims, visible, octant, cubes));
+        self.octants |= octants;
+    }
 }
 
 impl Skip {
@@ -185,9 +195,13 @@ impl Skip {
 
     const SHIFT: u32 = Self::EDGE.trailing_zeros();
 
-    /// What can be left out of object number `object`; `None` if the rule needs every sample.
+    /// What can be left out of object number `object`; `None` if the rule needs, or its loop visits, every
+    /// sample.
     pub fn new(recent: &Recent, bricks: &Bricks, plan: &Plan, object: usize) -> Option<Skip> {
         assert_eq!(bricks.edge(), Self::EDGE);
+        if plan.composite == Composite::BackToFront {
+            return None;
+        }
         match recent.find(bricks, plan, object) {
             Knowledge::Nothing => None,
             knowledge => Some(Skip {
@@ -258,17 +272,6 @@ impl Skip {
         }
         let points = points.max(F32s::zero()).to_i32s().to_f32s() + one;
         empty.select(points, F32s::zero())
-    }
-
-    /// Whether bounds are of values.
-    pub fn is_of_largest(&self) -> bool {
-        matches!(
-            self.bricks,
-            Knowledge::Bounds {
-                is_negative: false,
-                ..
-            }
-        )
     }
 }
 

@@ -61,7 +61,7 @@ pub struct Surroundings<S: Level> {
 /// The size of a grid in the forms that reconstruction needs.
 #[derive(Clone, Copy, Debug)]
 pub struct Shape {
-    /// Index of the last voxel along each axis.
+    /// Index of the last voxel along each axis; exact, as an edge has at most 2^20 voxels.
     pub last: [f32; 3],
     /// Index of the last cell (between two voxels) along each axis; 0 for an axis of one voxel.
     pub last_cell: [i32; 3],

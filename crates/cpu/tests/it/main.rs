@@ -127,3 +127,19 @@ fn statistics_add_up() {
     let skipped_mm = some.points_skipped as f64 * plan.lattice.step_mm;
     assert!((some.skipped_mm - skipped_mm).abs() < 1e-9 * skipped_mm);
 }
+
+#[test]
+fn every_rule_that_may_leaves_points_out() {
+    let volume = Phantom::Tree.volume([64; 3]).unwrap();
+    for method in ["emission-absorption", "mip", "minip", "first-hit"] {
+        let scene = format!(r#"{{ "size": [40, 30], "method": "{method}" }}"#);
+        let scene = Scene::parse("scene", &scene).unwrap();
+        let plan = resolve(&scene, &volume.header(), None).unwrap();
+        let stats = Renderer::new(&volume)
+            .render(&plan, &Options::default(), &no_progress)
+            .unwrap()
+            .stats;
+        let share = stats.points_skipped as f64 / stats.lattice_points as f64;
+        assert!(share > 0.25, "{method}: {share}");
+    }
+}
