@@ -58,7 +58,7 @@ impl SceneFile {
         };
         let name = path.display().to_string();
         let folder = path.parent().unwrap_or(Path::new(""));
-        let mut scene = if is_graph(&text) {
+        let mut scene = if is_graph(&name, &text) {
             Scene {
                 graph: Some(whole_graph(&name, &text, folder)?),
                 ..Scene::default()
@@ -83,8 +83,12 @@ impl SceneFile {
     }
 }
 
-/// Whether a text is that of a graph alone: its outermost object has the key that says its version.
-fn is_graph(text: &str) -> bool {
+/// Whether a file is that of a graph alone: by its name, or as its outermost object has the key that says its
+/// version. (A text cut off has no keys that could be read; what is wrong with it is for the graph to say.)
+fn is_graph(name: &str, text: &str) -> bool {
+    if name.ends_with(".graph.json") {
+        return true;
+    }
     let mut plain = text.strip_prefix('\u{feff}').unwrap_or(text).to_owned();
     let is_plain = json_strip_comments::strip(&mut plain).is_ok();
     let keys = serde_json::from_str::<serde_json::Map<String, serde_json::Value>>(&plain);

@@ -255,6 +255,12 @@ fn what_is_wrong_with_a_graph_is_said_with_its_place() {
         assert_eq!(said.code, Some(1), "{text}: {}", said.out);
         said.err
     };
+    // Cut off, as by a full disk: still a graph, by its name.
+    let said = wrong("{ \"strahl_graph\": 1, \"nodes\": {");
+    assert!(
+        said.contains("w.graph.json:1:") && !said.contains("unknown key"),
+        "{said}"
+    );
     let edits = |commands: &str| {
         format!(
             "{{ \"strahl_graph\": 1,\n \"edits\": [{{ \"name\": \"mine\", \"commands\": [\n{commands}\n] }}] }}"
