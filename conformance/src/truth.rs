@@ -21,7 +21,7 @@ pub use range::{Bounds, Range};
 use glam::DVec3;
 use strahl_scene::plan::{
     Classify, ClipShape, Composite, Compositing, Fetch, Gradient, GradientInput, GradientMethod,
-    Illuminate, Jitter, Plan, PlanLight, Projection, Reconstruct, Shade,
+    Illuminate, Jitter, Plan, PlanLight, Projection, Reconstruct, Sampling, Shade,
 };
 use surface::{Lighting, classify, illuminate, opacity_of_length};
 
@@ -57,6 +57,7 @@ pub fn covers(plan: &Plan) -> bool {
         && plan.modules.is_empty()
         && plan.fetch == Fetch::Stored
         && plan.lattice.frames == 1
+        && plan.sampling == Sampling::Regular
         && matches!(plan.lattice.jitter, Jitter::Centre | Jitter::Hash(_))
         && plan.reconstruct != Reconstruct::BSplineInterpolating
         && plan.classify == Classify::Table

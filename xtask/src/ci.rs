@@ -22,6 +22,7 @@ pub fn run(root: &Path) -> Result<bool> {
         succeeds(
             cargo(root)
                 .args(["clippy", "--workspace", "--all-targets", "--quiet"])
+                .args(["--features", "strahl-cpu/bench-kernels"])
                 .args(["--", "-D", "warnings"]),
         )
     })?;

@@ -1,10 +1,13 @@
-//! The project's own commands: `cargo xtask test | tidy | ci | gallery | oracle | fuzz`.
+//! The project's own commands: `cargo xtask test | tidy | ci | gallery | oracle | fuzz | bench-…`.
 
+mod apt;
+mod bench;
 mod ci;
 mod command;
 mod driver;
 mod fuzz;
 mod oracle;
+mod python;
 mod suite;
 mod tidy;
 
@@ -46,6 +49,12 @@ enum Task {
         #[arg(long)]
         verbose: bool,
     },
+    /// Times frames beside VTK, in turns, and how far each is from its own converged picture.
+    BenchPeers(bench::peers::Arguments),
+    /// Measures how time and memory grow with the volume, the picture, the step, the opacity.
+    BenchCurves(bench::curves::Arguments),
+    /// Times scenes that are not in the comparison with others beside an older commit, in turns.
+    BenchScenes(bench::scenes::Arguments),
     /// Throws hostile files at the readers (needs a nightly toolchain and cargo-fuzz).
     Fuzz {
         /// The reader, such as `nrrd`; all one after another if not said.
@@ -76,6 +85,9 @@ fn main() -> Result<ExitCode> {
             only,
             verbose,
         } => oracle::run(&root, time, only.as_deref(), verbose)?,
+        Task::BenchPeers(arguments) => bench::peers::run(&root, &arguments)?,
+        Task::BenchCurves(arguments) => bench::curves::run(&root, &arguments)?,
+        Task::BenchScenes(arguments) => bench::scenes::run(&root, &arguments)?,
         Task::Fuzz { target, seconds } => fuzz::run(&root, target.as_deref(), seconds)?,
     };
     Ok(if passed {

@@ -386,3 +386,40 @@ fn the_last_half_voxel_is_seen_whatever_the_bricks() {
         looks_the_same(&what, &on_cpu(data, &plan), &there.image);
     }
 }
+
+#[test]
+fn programs_refuse_rules_of_sampling_by_name() {
+    let volume = Phantom::Shells.volume([12; 3]).unwrap();
+    let plan = plan_of(&volume, r#"{ "size": [9, 9] }"#);
+    let rules = [
+        Sampling::Refine { parts: 8 },
+        Sampling::Split {
+            parts: 10,
+            curve: Curve::Linear,
+        },
+        Sampling::Integrated,
+        Sampling::Adaptive { error: 0.1 },
+    ];
+    for sampling in rules {
+        let plan = Plan {
+            sampling,
+            ..plan.clone()
+        };
+        let drawn = Evaluator::new(&volume).render(&plan, no_progress);
+        let name = format!("sampling.rule is {:?}", sampling.name());
+        let message = drawn.err().map(|error| error.to_string());
+        assert!(
+            message
+                .as_ref()
+                .is_some_and(|m| m.contains(&name) && m.contains("--backend cpu")),
+            "{name}: {message:?}"
+        );
+        let message = strahl_graph::standard(&plan)
+            .err()
+            .map(|error| error.to_string());
+        assert!(
+            message.is_some_and(|m| m.contains(&name)),
+            "{name} as a graph"
+        );
+    }
+}

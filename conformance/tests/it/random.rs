@@ -230,6 +230,24 @@ impl Random {
         TransferTable::new([lo, hi], reference_mm as f32, entries)
     }
 
+    /// Any rule of sampling that `plan` may have.
+    pub fn sampling(&mut self, plan: &Plan) -> Sampling {
+        if !matches!(plan.composite, Composite::EmissionAbsorption { .. }) {
+            return Sampling::Regular;
+        }
+        let parts = self.pick(&[1, 2, 3, 8]);
+        let curve = self.pick(&[Curve::Linear, Curve::Cubic]);
+        let of_table = plan.classify == Classify::Table && self.once_in(3);
+        match self.below(if plan.shade == Shade::Unlit { 3 } else { 2 }) {
+            _ if of_table => Sampling::Integrated,
+            0 => Sampling::Refine { parts },
+            1 => Sampling::Split { parts, curve },
+            _ => Sampling::Adaptive {
+                error: self.pick(&[0.001, 0.05, 0.5]),
+            },
+        }
+    }
+
     fn lights(&mut self) -> Vec<PlanLight> {
         let radiance = |random: &mut Random| std::array::from_fn(|_| random.unit() as f32);
         let mut lights = Vec::new();

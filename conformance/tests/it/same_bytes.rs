@@ -1,12 +1,14 @@
 //! Threads, tiles, skipping and instruction sets change no byte of a picture that the processor draws.
 
 use crate::random::{Random, seeds};
+use crate::simple;
+use glam::{DAffine3, DMat3, DQuat, DVec3};
 use std::path::PathBuf;
 use strahl_cpu::{InstructionSet, Options, Renderer, Stats, no_progress};
-use strahl_scene::plan::{Composite, Plan, Shade};
+use strahl_scene::plan::{Classify, ClipShape, Composite, Plan, SampleClip, Sampling, Shade};
 use strahl_scene::{Method, Scene, Shading, ShadingModel, resolve};
-use strahl_volume::Volume;
 use strahl_volume::read::{MemoryFiles, ReadOptions, read_file};
+use strahl_volume::{Metadata, Rescale, Samples, Volume};
 
 /// The pixels as bits, so that NaN equals itself and 0 is not −0.
 fn draw(renderer: &Renderer, plan: &Plan, options: &Options) -> (Vec<[u32; 4]>, Stats) {
@@ -29,10 +31,26 @@ fn plainly() -> Options {
     }
 }
 
+/// The same picture, but drawn by the loop for any functions: with a clip that clips nothing.
+fn without_own_loop(plan: &Plan) -> Plan {
+    let mut plan = plan.clone();
+    plan.sample_clips.push(SampleClip {
+        shape: ClipShape::Box,
+        unit_from_world: DAffine3::from_scale_rotation_translation(
+            DVec3::ZERO,
+            DQuat::IDENTITY,
+            DVec3::splat(2.0),
+        ),
+        keep_inside: false,
+        objects: u32::MAX,
+    });
+    plan
+}
+
 /// Draws once plainly, then in other ways; returns the share of lattice points that were skipped.
 fn check(what: &str, volume: &Volume, plan: &Plan, ways: &[(usize, u32, bool)]) -> f64 {
     let renderer = Renderer::new(volume);
-    let (expected, plain) = draw(&renderer, plan, &plainly());
+    let (expected, plain) = draw(&renderer, &without_own_loop(plan), &plainly());
     let mut skipped = 0.0;
     // Every set that this processor has, in turns.
     let sets = InstructionSet::ALL.into_iter().filter(|set| set.is_there());
@@ -84,6 +102,95 @@ fn on_random_scenes() {
     }
     // Small noisy volumes have few empty bricks; but some scenes must have something to skip.
     assert!(skipping >= 25, "only {skipping} scenes skipped anything");
+}
+
+/// Voxels of a few values, most of them the same, some of them not finite.
+fn ties_and_peaks(random: &mut Random, dims: [usize; 3]) -> Volume {
+    let usual = random.pick(&[0.0, 0.0, 7.0, -3.0]);
+    let (values, rare) = (
+        random.pick(&[1, 2, 5, 100]),
+        random.pick(&[2, 20, 200, 2000]),
+    );
+    let broken = random.once_in(3);
+    let count = dims.iter().product();
+    let voxels: Vec<f32> = std::iter::repeat_with(|| {
+        if broken && random.once_in(50) {
+            random.pick(&[f32::NAN, f32::INFINITY, f32::NEG_INFINITY])
+        } else if random.once_in(rare) {
+            usual + random.below(2 * values + 1) as f32 - values as f32
+        } else {
+            usual
+        }
+    })
+    .take(count)
+    .collect();
+    let samples = match random.below(3) {
+        0 => Samples::U8(voxels.iter().map(|&v| v as u8).collect()),
+        1 => Samples::I16(voxels.iter().map(|&v| v as i16).collect()),
+        _ => Samples::F32(voxels),
+    };
+    let rescale = if random.once_in(3) {
+        Rescale::new(-2.5, 10.0)
+    } else {
+        Rescale::IDENTITY
+    };
+    let grid = simple::centred(dims, DMat3::IDENTITY);
+    Volume::new(grid, samples, rescale, Metadata::default()).unwrap()
+}
+
+/// Rays look where the largest value is likely; also where the gradient there counts, and so which of many
+/// equal values is taken.
+#[test]
+fn of_projections_with_ties() {
+    let mut skipping = 0;
+    for seed in seeds(160) {
+        let mut random = Random::new(seed ^ 0x71E5);
+        let long = random.once_in(5);
+        let dims = if long {
+            [5, 4, 140]
+        } else {
+            random.pick(&[[9, 9, 9], [24, 21, 23], [40, 1, 33], [2, 30, 50]])
+        };
+        let volume = ties_and_peaks(&mut random, dims);
+        let mut plan = random.plan(&volume, [19, 13]);
+        plan.composite = random.pick(&[Composite::Mip, Composite::MinIp]);
+        (plan.shade, plan.lights) = (Shade::Unlit, Vec::new());
+        if random.once_in(2) {
+            plan.classify = Classify::GradientTable {
+                low_per_mm: 0.1,
+                high_per_mm: 2.0,
+            };
+        }
+        if long {
+            // More points than are looked at together.
+            plan.camera = simple::parallel(DVec3::new(0.01, 0.0, 1.0), 300.0, 3.0);
+            plan.lattice.step_mm = 0.05;
+        }
+        let what = format!("seed {seed}");
+        let ways = [(1, WHOLE, true), (2, 5, true), (2, 32, false), (1, 8, true)];
+        skipping += usize::from(check(&what, &volume, &plan, &ways) > 0.25);
+    }
+    assert!(
+        skipping >= 10,
+        "only {skipping} skipped a quarter of the points"
+    );
+}
+
+/// As many scenes again, by every rule of sampling.
+#[test]
+fn by_every_rule_of_sampling() {
+    let ways = [(1, WHOLE, true), (7, 7, true), (2, 1, true)];
+    let (mut skipping, mut others) = (0, 0);
+    for seed in seeds(600) {
+        let mut random = Random::new(seed ^ 0x57E9);
+        let volume = random.volume();
+        let mut plan = random.plan(&volume, [19, 13]);
+        plan.sampling = random.sampling(&plan);
+        others += usize::from(plan.sampling != Sampling::Regular);
+        let skipped = check(&format!("seed {seed}"), &volume, &plan, &ways);
+        skipping += usize::from(skipped > 0.0);
+    }
+    assert!(others >= 200 && skipping >= 35, "{others}, {skipping}");
 }
 
 fn scan(name: &str) -> Option<Volume> {

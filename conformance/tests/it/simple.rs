@@ -115,6 +115,7 @@ pub fn plan(volume: &Volume, camera: PlanCamera, table: TransferTable) -> Plan {
             jitter: Jitter::Centre,
             frames: 1,
         },
+        sampling: Sampling::Regular,
         fetch: Fetch::Stored,
         reconstruct: Reconstruct::Trilinear,
         classify: Classify::Table,

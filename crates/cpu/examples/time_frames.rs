@@ -2,123 +2,216 @@
 //! folder in `STRAHL_SHARED`), one line of JSON each.
 //!
 //!     cargo run --release -p strahl-cpu --example time_frames -- \
-//!         [case=bonsai] [mode=unshaded|shaded|mip|first-hit] [frames=16] [threads=2] [step=1] \
-//!         [size=512] [simd=avx512|avx2|portable] [skip=false] [tile=32] [raw=FILE]
+//!         [case=bonsai] [mode=unshaded|shaded|mip|mip-values|first-hit|minip|average] [edit=true] [frames=16] [threads=2] \
+//!         [step=1] [size=512] [compositing=linear|display] [simd=avx512|avx2|portable] [skip=false] [tile=32] \
+//!         [raw=FILE] [sampling='{ "error": 0.01 }'] [stages=true] [points=JSON]
 //!
-//! `raw` writes the last frame as little-endian f32 RGBA, linear light, row by row from the top.
+//! `mip-values` colours the largest value of a ray black to white over 0 to 255: a picture of values.
+//! `sampling` is that key of a scene; `stages` draws every picture in stages and adds the medians of the times after
+//! which each was there; `points` are other points of the transfer function, as in `bench/cases.json`.
+//! `edit` keeps the view and changes the transfer function instead, to one that was not seen before, each time.
+//! Seconds of a frame are those of resolving the scene and drawing the Plan; `first_s` begins with the decoded
+//! volume in memory. `raw` writes the last frame as little-endian f32 RGBA, linear light, row by row from the top.
 
 use serde_json::{Value, json};
-use std::path::PathBuf;
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
-use strahl_cpu::{InstructionSet, Options, Renderer, no_progress};
+use strahl_cpu::{InstructionSet, Options, Rendered, Renderer, no_progress};
 use strahl_scene::{Scene, resolve};
+use strahl_volume::Volume;
 use strahl_volume::read::{MemoryFiles, ReadOptions, read_file};
 
+/// Those that are timed if none is named.
+const MODES: [&str; 4] = ["unshaded", "shaded", "mip", "first-hit"];
+
 fn main() {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let argument = |name: &str| {
-        let named = |a: &String| Some(a.strip_prefix(name)?.strip_prefix('=')?.to_owned());
-        arguments.iter().find_map(named)
-    };
-    let number = |name: &str, default: f64| {
-        argument(name).map_or(default, |text| text.parse().expect("a number"))
-    };
+    let arguments = Arguments(std::env::args().skip(1).collect());
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../..");
     let shared =
         std::env::var_os("STRAHL_SHARED").map_or_else(|| folder.join("../shared"), PathBuf::from);
     let text = std::fs::read_to_string(folder.join("bench/cases.json")).expect("bench/cases.json");
     let spec: Value = serde_json::from_str(&text).expect("JSON");
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(arguments.number("threads", 0.0) as usize)
+        .build()
+        .expect("threads");
     for (name, case) in spec["cases"].as_object().expect("cases") {
-        if argument("case").is_some_and(|only| only != *name) {
+        if arguments.excludes("case", name) {
             continue;
         }
-        let file = case["file"].as_str().expect("a file name");
-        let Ok(bytes) = std::fs::read(shared.join("data").join(file)) else {
-            eprintln!("skipped: {file} is not there");
+        let Some(volume) = volume(&shared, case["file"].as_str().expect("a file name")) else {
             continue;
         };
-        let files = MemoryFiles::from([(file.to_owned(), bytes)]);
-        let volume = read_file(file, &files, &ReadOptions::default())
-            .expect("a volume")
-            .volume;
-        for mode in ["unshaded", "shaded", "mip", "first-hit"] {
-            if argument("mode").is_some_and(|only| only != mode) {
-                continue;
-            }
-            let frames = number("frames", 16.0) as u32;
-            let plan = |frame: u32| {
-                let turned = 360.0 * f64::from(frame) / f64::from(frames);
-                let size = number("size", 512.0) as u32;
-                let scene = scene(&spec, case, mode, turned, number("step", 1.0), size);
-                let scene = Scene::parse("scene", &scene.to_string()).expect("a scene");
-                resolve(&scene, &volume.header(), None).expect("a plan")
-            };
-            let simd = argument("simd")
-                .map(|name| InstructionSet::from_name(&name).expect("avx512, avx2 or portable"));
-            let options = Options {
-                threads: 0,
-                tile: number("tile", 32.0) as u32,
-                skip: argument("skip").as_deref() != Some("false"),
-                instructions: simd,
-            };
-            let pool = rayon::ThreadPoolBuilder::new()
-                .num_threads(number("threads", 0.0) as usize)
-                .build()
-                .expect("threads");
-            let line = pool.install(|| {
-                let start = Instant::now();
-                let renderer = Renderer::new(&volume);
-                let draw = |frame: u32| {
-                    let plan = plan(frame);
-                    let start = Instant::now();
-                    let drawn = renderer.render(&plan, &options, &no_progress);
-                    (start.elapsed().as_secs_f64(), drawn.expect("a picture"))
-                };
-                let (_, mut drawn) = draw(0);
-                let first = start.elapsed().as_secs_f64();
-                let mut seconds = Vec::new();
-                for frame in 1..=frames {
-                    let (taken, picture) = draw(frame);
-                    seconds.push(taken);
-                    drawn = picture;
-                }
-                if let Some(path) = argument("raw") {
-                    let pixels = drawn.image.pixels();
-                    let bytes: Vec<u8> = pixels
-                        .iter()
-                        .flatten()
-                        .flat_map(|c| c.to_le_bytes())
-                        .collect();
-                    std::fs::write(path, bytes).expect("the file can be written");
-                }
-                seconds.sort_by(f64::total_cmp);
-                json!({
-                    "case": name,
-                    "mode": mode,
-                    "threads": drawn.stats.threads,
-                    "first_s": first,
-                    "median_s": seconds[seconds.len() / 2],
-                    "min_s": seconds[0],
-                    "prepare_s": drawn.stats.prepare_seconds,
-                    "bricks_s": drawn.stats.bricks_seconds,
-                    "samples": drawn.stats.samples,
-                    "visible": drawn.stats.samples_visible,
-                    "points": drawn.stats.lattice_points,
-                })
-            });
+        let modes = arguments
+            .text("mode")
+            .map_or(MODES.to_vec(), |mode| vec![mode]);
+        for mode in modes {
+            let mut line = pool.install(|| time(&arguments, &spec, case, &volume, mode));
+            line["case"] = json!(name);
             println!("{line}");
         }
     }
 }
 
-/// A frame of a case as a scene.
-fn scene(spec: &Value, case: &Value, mode: &str, turned: f64, step: f64, size: u32) -> Value {
-    let points: Vec<Value> = case["points"]
-        .as_array()
-        .expect("points")
-        .iter()
-        .map(|point| json!({ "value": point[0], "opacity": point[1], "color": point[2] }))
+/// `name=value` of the command line.
+struct Arguments(Vec<String>);
+
+impl Arguments {
+    fn text(&self, name: &str) -> Option<&str> {
+        let mut values = self
+            .0
+            .iter()
+            .map(|a| a.strip_prefix(name)?.strip_prefix('='));
+        values.find_map(|value| value)
+    }
+
+    fn number(&self, name: &str, default: f64) -> f64 {
+        self.text(name)
+            .map_or(default, |text| text.parse().expect("a number"))
+    }
+
+    fn excludes(&self, name: &str, value: &str) -> bool {
+        self.text(name).is_some_and(|only| only != value)
+    }
+}
+
+fn volume(shared: &Path, file: &str) -> Option<Volume> {
+    let Ok(bytes) = std::fs::read(shared.join("data").join(file)) else {
+        eprintln!("skipped: {file} is not there");
+        return None;
+    };
+    let files = MemoryFiles::from([(file.to_owned(), bytes)]);
+    let read = read_file(file, &files, &ReadOptions::default());
+    Some(read.expect("a volume").volume)
+}
+
+/// Draws the orbit, or the edits, in the current thread pool.
+fn time(arguments: &Arguments, spec: &Value, case: &Value, volume: &Volume, mode: &str) -> Value {
+    let frames = arguments.number("frames", 16.0) as u32;
+    let is_edit = arguments.text("edit") == Some("true");
+    let simd = arguments
+        .text("simd")
+        .map(|name| InstructionSet::from_name(name).expect("avx512, avx2 or portable"));
+    let options = Options {
+        threads: 0,
+        tile: arguments.number("tile", 32.0) as u32,
+        skip: arguments.text("skip") != Some("false"),
+        instructions: simd,
+    };
+    let scene = |frame: u32| {
+        let share = f64::from(frame) / f64::from(frames);
+        let scene = if is_edit {
+            // Every point but the outer ones moves by up to 8 values.
+            scene(spec, case, mode, 0.0, 8.0 * share, arguments)
+        } else {
+            scene(spec, case, mode, 360.0 * share, 0.0, arguments)
+        };
+        Scene::parse("scene", &scene.to_string()).expect("a scene")
+    };
+    let header = volume.header();
+    let in_stages = arguments.text("stages") == Some("true");
+    let mut stages: Vec<Vec<f64>> = Vec::new();
+    let mut draw = |renderer: &Renderer, scene: &Scene| {
+        let start = Instant::now();
+        let plan = resolve(scene, &header, None).expect("a plan");
+        let drawn = if in_stages {
+            let mut times = Vec::new();
+            let drawn = renderer.refine(&plan, &options, &no_progress, &mut |_, _| {
+                times.push(start.elapsed().as_secs_f64());
+                ControlFlow::Continue(())
+            });
+            stages.push(times);
+            drawn
+        } else {
+            renderer.render(&plan, &options, &no_progress)
+        };
+        drawn.expect("a picture")
+    };
+    let first_scene = scene(0);
+    let start = Instant::now();
+    let renderer = Renderer::new(volume);
+    let mut drawn = draw(&renderer, &first_scene);
+    let first = start.elapsed().as_secs_f64();
+    let (mut seconds, mut prepare) = (Vec::new(), Vec::new());
+    for frame in 1..=frames {
+        let scene = scene(frame);
+        let start = Instant::now();
+        drawn = draw(&renderer, &scene);
+        seconds.push(start.elapsed().as_secs_f64());
+        prepare.push(drawn.stats.prepare_seconds);
+    }
+    if let Some(path) = arguments.text("raw") {
+        write_raw(&drawn, path);
+    }
+    let of_stage = |stage: usize| {
+        let times: Vec<f64> = stages.iter().map(|times| times[stage]).collect();
+        median(&times)
+    };
+    let stages: Vec<f64> = (0..stages.first().map_or(0, Vec::len))
+        .map(of_stage)
         .collect();
+    json!({
+        "renderer": "Strahl",
+        "mode": mode,
+        "edit": is_edit,
+        "threads": drawn.stats.threads,
+        "first_s": first,
+        "median_s": median(&seconds),
+        "min_s": seconds.iter().copied().fold(f64::INFINITY, f64::min),
+        "seconds": seconds,
+        "prepare_s": median(&prepare),
+        "bricks_s": drawn.stats.bricks_seconds,
+        "samples": drawn.stats.samples,
+        "visible": drawn.stats.samples_visible,
+        "points": drawn.stats.lattice_points,
+        "stages_s": stages,
+    })
+}
+
+fn median(seconds: &[f64]) -> f64 {
+    let mut sorted = seconds.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted[sorted.len() / 2]
+}
+
+fn write_raw(drawn: &Rendered, path: &str) {
+    let pixels = drawn.image.pixels().iter().flatten();
+    let bytes: Vec<u8> = pixels.flat_map(|c| c.to_le_bytes()).collect();
+    std::fs::write(path, bytes).expect("the file can be written");
+}
+
+/// A frame of a case as a scene: the camera `turned_deg` about the up axis, the inner points of the transfer
+/// function moved `by` values.
+fn scene(
+    spec: &Value,
+    case: &Value,
+    mode: &str,
+    turned_deg: f64,
+    by: f64,
+    arguments: &Arguments,
+) -> Value {
+    let number = |value: &Value| value.as_f64().expect("a number");
+    let point = |value: f64, opacity: &Value, color: &Value| json!({ "value": value, "opacity": opacity, "color": color });
+    let other: Option<Value> = arguments
+        .text("points")
+        .map(|points| serde_json::from_str(points).expect("JSON"));
+    let points = other.as_ref().unwrap_or(&case["points"]);
+    let points = points.as_array().expect("points");
+    let points: Vec<Value> = if mode == "mip-values" {
+        vec![
+            point(0.0, &json!(1), &json!([0, 0, 0])),
+            point(255.0, &json!(1), &json!([1, 1, 1])),
+        ]
+    } else {
+        let inner = 1..points.len() - 1;
+        let moved = |(i, p): (usize, &Value)| {
+            let by = if inner.contains(&i) { by } else { 0.0 };
+            point(number(&p[0]) + by, &p[1], &p[2])
+        };
+        points.iter().enumerate().map(moved).collect()
+    };
+    let size = arguments.number("size", number(&spec["size"][0])) as u32;
     let phong = &spec["phong"];
     let mut scene = json!({
         "transfer_function": { "points": points },
@@ -126,23 +219,28 @@ fn scene(spec: &Value, case: &Value, mode: &str, turned: f64, step: f64, size: u
             "view": "top",
             "view_angle_deg": spec["view_angle_deg"],
             "elevation_deg": spec["elevation_deg"],
-            "azimuth_deg": spec["azimuth_deg"].as_f64().expect("degrees") + turned,
+            "azimuth_deg": number(&spec["azimuth_deg"]) + turned_deg,
             "zoom": spec["zoom"],
         },
-        "step_voxels": step,
+        "step_voxels": arguments.number("step", number(&spec["step_in_voxels"])),
+        "compositing": arguments.text("compositing").unwrap_or("linear"),
         "size": [size, size],
         "shading": { "model": "unlit" },
         "background": "#000000",
         "jitter": "off",
     });
+    if let Some(sampling) = arguments.text("sampling") {
+        scene["sampling"] = serde_json::from_str(sampling).expect("JSON");
+    }
     match mode {
-        "unshaded" => {}
-        "mip" => scene["method"] = json!("mip"),
+        "unshaded" | "shaded" => {}
+        "mip-values" => scene["method"] = json!("mip"),
+        "mip" | "minip" | "average" => scene["method"] = json!(mode),
         "first-hit" => {
             scene["method"] = json!("first-hit");
             scene["threshold"] = case["first_hit"].clone();
         }
-        _ => {}
+        _ => panic!("mode={mode}: unshaded, shaded, mip, mip-values, first-hit, minip or average"),
     }
     if mode == "shaded" || mode == "first-hit" {
         scene["shading"] = json!({
@@ -152,6 +250,10 @@ fn scene(spec: &Value, case: &Value, mode: &str, turned: f64, step: f64, size: u
             "specular": phong["specular"],
             "shininess": phong["power"],
         });
+        // What VTK makes when nothing is said: one white light, from the camera along its axis.
+        scene["lights"] = json!([
+            { "type": "directional", "azimuth_deg": 0, "elevation_deg": 0, "intensity": 1 }
+        ]);
     }
     scene
 }

@@ -3,7 +3,7 @@
 //! Generic over the instruction set ([`Level`]). Every operation is IEEE single precision, lane by lane,
 //! and none is fused with another, so that a lane's result does not depend on the set.
 
-use crate::levels::Level;
+use crate::levels::{Level, inlined};
 use fearless_simd::{
     Bytes, SimdBase, SimdFloat, SimdFrom, SimdMask, f32x16, f64x8, i32x16, mask32x16,
 };
@@ -131,6 +131,15 @@ impl<S: Level> F32s<S> {
         }))
     }
 
+    /// The first numbers of `values`.
+    #[inline(always)]
+    pub fn from_start(values: &[f32]) -> F32s<S> {
+        F32s([
+            f32x16::from_slice(S::proof(), &values[..HALF]),
+            f32x16::from_slice(S::proof(), &values[HALF..LANES]),
+        ])
+    }
+
     /// From doubles, eight lanes each, rounded to the nearest single.
     #[inline(always)]
     pub fn from_doubles(eights: [f64x8<S>; 4]) -> F32s<S> {
@@ -249,6 +258,47 @@ pub unsafe fn rows<S: Level>(rows: &[[f32; 4]], indices: I32s<S>) -> [F32s<S>; 4
     ]
 }
 
+/// The numbers of `rows` at `indices`, and of those that follow them.
+///
+/// # Safety
+/// There is a row for every index, and one behind it.
+#[inline(always)]
+pub unsafe fn row_pairs<S: Level>(rows: &[[f32; 4]], indices: I32s<S>) -> [[F32s<S>; 4]; 2] {
+    // SAFETY: as the caller promises.
+    let [a, b] = both!(indices.0, |indices| unsafe {
+        S::proof().row_pairs(rows, indices)
+    });
+    let numbers = inlined(
+        #[inline(always)]
+        |row: usize, channel: usize| F32s([a[row][channel], b[row][channel]]),
+    );
+    let row = inlined(
+        #[inline(always)]
+        |row: usize| {
+            [
+                numbers(row, 0),
+                numbers(row, 1),
+                numbers(row, 2),
+                numbers(row, 3),
+            ]
+        },
+    );
+    [row(0), row(1)]
+}
+
+/// A row of the four numbers of each lane.
+#[inline(always)]
+pub fn to_rows<S: Level>(columns: [F32s<S>; 4]) -> [[f32; 4]; LANES] {
+    let [a, b, c, d] = columns;
+    let halves = both!([0, 1], |vector| {
+        S::proof().to_rows([a.0[vector], b.0[vector], c.0[vector], d.0[vector]])
+    });
+    let mut rows = [[0.0; 4]; LANES];
+    rows[..HALF].copy_from_slice(&halves[0]);
+    rows[HALF..].copy_from_slice(&halves[1]);
+    rows
+}
+
 /// The little-endian words of four bytes at `offsets`, in bytes.
 ///
 /// # Safety
@@ -272,6 +322,15 @@ impl<S: Level> I32s<S> {
     #[inline(always)]
     pub fn lane(&self, lane: usize) -> i32 {
         self.0[lane / HALF][lane % HALF]
+    }
+
+    /// The number of each lane.
+    #[inline(always)]
+    pub fn to_array(self) -> [i32; LANES] {
+        let mut numbers = [0; LANES];
+        numbers[..HALF].copy_from_slice(&<[i32; HALF]>::from(self.0[0]));
+        numbers[HALF..].copy_from_slice(&<[i32; HALF]>::from(self.0[1]));
+        numbers
     }
 
     /// The nearest number.
@@ -378,6 +437,18 @@ impl<S: Level> Mask<S> {
     #[inline(always)]
     pub fn any(self) -> bool {
         (self.0[0] | self.0[1]).any_true()
+    }
+
+    /// Writes the numbers of the rays set, and nothing of meaning behind them, to `to` from `at` on, where
+    /// there is room for a packet.
+    #[inline(always)]
+    pub fn append(self, numbers: F32s<S>, to: &mut [f32], at: usize) {
+        let to = &mut to[at..at + LANES];
+        let first = S::proof().compress_f32x16(numbers.0[0], self.0[0]);
+        let second = S::proof().compress_f32x16(numbers.0[1], self.0[1]);
+        first.store_slice(&mut to[..HALF]);
+        let count = self.0[0].to_bitmask().count_ones() as usize;
+        second.store_slice(&mut to[count..count + HALF]);
     }
 
     /// Number of rays set.

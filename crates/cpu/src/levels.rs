@@ -1,7 +1,7 @@
 //! Instruction sets: which one a picture is drawn with, and what a vector library has no name for.
 
 use crate::Error;
-use fearless_simd::{Simd, SimdBase, f32x16, i32x16, u32x16};
+use fearless_simd::{Simd, SimdBase, SimdInto, f32x16, i32x16, u32x16};
 use std::fmt;
 
 /// The vector instructions that a picture is drawn with. The picture has the same bytes with any of them.
@@ -85,6 +85,10 @@ impl fmt::Display for InstructionSet {
 ///
 /// Lanes of a level are made only below [`dispatch`], which has found that the processor has it.
 pub trait Level: Simd + Send + Sync {
+    /// Whether loops that are compiled for each type of sample pay. Without gathers they take as long as the
+    /// loop for any functions, and longer to compile than all else here.
+    const HAS_LOOPS_PER_TYPE: bool;
+
     /// The proof that the processor has the level.
     fn proof() -> Self;
 
@@ -106,17 +110,40 @@ pub trait Level: Simd + Send + Sync {
     /// There is a row for every index.
     #[inline(always)]
     unsafe fn rows(self, rows: &[[f32; 4]], indices: i32x16<Self>) -> [f32x16<Self>; 4] {
-        let number = inlined(
-            #[inline(always)]
-            |channel: usize| {
-                f32x16::from_fn(self, |lane| {
-                    debug_assert!((indices[lane] as usize) < rows.len());
-                    // SAFETY: as the caller promises.
-                    unsafe { rows.get_unchecked(indices[lane] as usize)[channel] }
-                })
-            },
-        );
-        [number(0), number(1), number(2), number(3)]
+        // SAFETY: as the caller promises.
+        let [a, b, c, d] = unsafe { rows_one_by_one(rows, &indices.into()) };
+        [
+            a.simd_into(self),
+            b.simd_into(self),
+            c.simd_into(self),
+            d.simd_into(self),
+        ]
+    }
+
+    /// The rows at `indices`, and those that follow them.
+    ///
+    /// # Safety
+    /// There is a row for every index, and one behind it.
+    #[inline(always)]
+    unsafe fn row_pairs(self, rows: &[[f32; 4]], indices: i32x16<Self>) -> [[f32x16<Self>; 4]; 2] {
+        let following = indices + i32x16::splat(self, 1);
+        // SAFETY: as the caller promises.
+        unsafe { [self.rows(rows, indices), self.rows(rows, following)] }
+    }
+
+    /// The other way round: a row of four numbers per lane.
+    #[inline(always)]
+    fn to_rows(self, columns: [f32x16<Self>; 4]) -> [[f32; 4]; 16] {
+        let mut rows = [[0.0; 4]; 16];
+        for (lane, row) in rows.iter_mut().enumerate() {
+            *row = [
+                columns[0][lane],
+                columns[1][lane],
+                columns[2][lane],
+                columns[3][lane],
+            ];
+        }
+        rows
     }
 
     /// The little-endian words of four bytes at `offsets` (in bytes), which may lie at any address.
@@ -126,21 +153,52 @@ pub trait Level: Simd + Send + Sync {
     unsafe fn words(self, bytes: &[u8], offsets: i32x16<Self>) -> u32x16<Self>;
 }
 
-/// The words one by one: where there is no instruction for it.
+/// Lanes to be read one by one. From memory that is a load each, which costs less than moving each out of a
+/// vector register, what would be made of it otherwise.
 #[inline(always)]
-unsafe fn words_one_by_one<S: Simd>(simd: S, bytes: &[u8], offsets: i32x16<S>) -> u32x16<S> {
-    u32x16::from_fn(simd, |lane| {
-        let offset = offsets[lane] as usize;
+fn in_memory<S: Simd>(lanes: i32x16<S>) -> [i32; 16] {
+    std::hint::black_box(lanes.into())
+}
+
+/// The words one by one: where there is no instruction for it. Not inlined: sixteen loads wherever voxels are
+/// read would be most of the program.
+///
+/// # Safety
+/// `offset .. offset + 4` lies inside `bytes` for every lane.
+#[inline(never)]
+unsafe fn words_one_by_one(bytes: &[u8], offsets: &[i32; 16]) -> [u32; 16] {
+    let mut words = [0; 16];
+    for (word, &offset) in words.iter_mut().zip(offsets) {
+        let offset = offset as usize;
         debug_assert!(offset + 4 <= bytes.len());
         // SAFETY: inside `bytes`, as the caller promises.
-        let word = unsafe { bytes.as_ptr().add(offset).cast::<u32>().read_unaligned() };
-        u32::from_le(word)
-    })
+        let bytes = unsafe { bytes.as_ptr().add(offset).cast::<u32>().read_unaligned() };
+        *word = u32::from_le(bytes);
+    }
+    words
+}
+
+/// The numbers of rows one by one, likewise.
+///
+/// # Safety
+/// There is a row for every index.
+#[inline(never)]
+unsafe fn rows_one_by_one(rows: &[[f32; 4]], indices: &[i32; 16]) -> [[f32; 16]; 4] {
+    let mut numbers = [[0.0; 16]; 4];
+    for (lane, &index) in indices.iter().enumerate() {
+        debug_assert!((index as usize) < rows.len());
+        // SAFETY: as the caller promises.
+        let row = unsafe { rows.get_unchecked(index as usize) };
+        for (numbers, &number) in numbers.iter_mut().zip(row) {
+            numbers[lane] = number;
+        }
+    }
+    numbers
 }
 
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
 mod x86 {
-    use super::{Level, f32x16, i32x16, inlined, u32x16, words_one_by_one};
+    use super::{Level, f32x16, i32x16, in_memory, inlined, u32x16, words_one_by_one};
     use fearless_simd::x86::{Avx2, Avx512, Sse2};
     use fearless_simd::{Simd, SimdInto, f32x8, i32x8, u32x8};
     #[cfg(target_arch = "x86")]
@@ -167,7 +225,7 @@ mod x86 {
     /// third, fourth numbers of the rows.
     macro_rules! transposed {
         (
-            $simd:expr, $rows:expr, $low:ident, $high:ident, $low_pairs:ident, $high_pairs:ident,
+            $rows:expr, $low:ident, $high:ident, $low_pairs:ident, $high_pairs:ident,
             $pairs:ident, $singles:ident
         ) => {{
             let [a, b, c, d] = $rows;
@@ -176,15 +234,17 @@ mod x86 {
             let (ab, cd) = ($pairs($high(a, b)), $pairs($high(c, d)));
             let (third, fourth) = ($low_pairs(ab, cd), $high_pairs(ab, cd));
             [
-                $singles(first).simd_into($simd),
-                $singles(second).simd_into($simd),
-                $singles(third).simd_into($simd),
-                $singles(fourth).simd_into($simd),
+                $singles(first),
+                $singles(second),
+                $singles(third),
+                $singles(fourth),
             ]
         }};
     }
 
     impl Level for Avx512 {
+        const HAS_LOOPS_PER_TYPE: bool = true;
+
         #[inline(always)]
         fn proof() -> Avx512 {
             // SAFETY: only code below `dispatch` is compiled for this level.
@@ -204,9 +264,101 @@ mod x86 {
         }
 
         #[inline(always)]
+        fn to_rows(self, columns: [f32x16<Self>; 4]) -> [[f32; 4]; 16] {
+            let [a, b, c, d] = columns;
+            let mut rows = [[0.0; 4]; 16];
+            // SAFETY: the processor has the instructions, as `self` proves, and 16 rows are four vectors.
+            unsafe {
+                let [a, b, c, d] = transposed!(
+                    [a.into(), b.into(), c.into(), d.into()],
+                    _mm512_unpacklo_ps,
+                    _mm512_unpackhi_ps,
+                    _mm512_unpacklo_pd,
+                    _mm512_unpackhi_pd,
+                    _mm512_castps_pd,
+                    _mm512_castpd_ps
+                );
+                // Block q of vector j is the row of lane 4q + j.
+                let even = (
+                    _mm512_shuffle_f32x4::<0x88>(a, b),
+                    _mm512_shuffle_f32x4::<0x88>(c, d),
+                );
+                let odd = (
+                    _mm512_shuffle_f32x4::<0xDD>(a, b),
+                    _mm512_shuffle_f32x4::<0xDD>(c, d),
+                );
+                let to: *mut f32 = rows.as_mut_ptr().cast();
+                _mm512_storeu_ps(to, _mm512_shuffle_f32x4::<0x88>(even.0, even.1));
+                _mm512_storeu_ps(to.add(16), _mm512_shuffle_f32x4::<0x88>(odd.0, odd.1));
+                _mm512_storeu_ps(to.add(32), _mm512_shuffle_f32x4::<0xDD>(even.0, even.1));
+                _mm512_storeu_ps(to.add(48), _mm512_shuffle_f32x4::<0xDD>(odd.0, odd.1));
+            }
+            rows
+        }
+
+        #[inline(always)]
+        unsafe fn row_pairs(
+            self,
+            rows: &[[f32; 4]],
+            indices: i32x16<Self>,
+        ) -> [[f32x16<Self>; 4]; 2] {
+            debug_assert!(indices.iter().all(|&i| (i as usize) + 1 < rows.len()));
+            let indices = in_memory(indices);
+            // SAFETY: the processor has the instructions, as `self` proves; every row and the one behind it
+            // exist, as the caller promises.
+            unsafe {
+                let pair =
+                    |lane: usize| _mm256_loadu_ps(rows.as_ptr().add(indices[lane] as usize).cast());
+                // Blocks of vector j: both rows of lane `from` + j, both of lane `from` + 4 + j.
+                let pairs = inlined(
+                    #[inline(always)]
+                    |j: usize, from: usize| {
+                        let pairs = _mm512_castps256_ps512(pair(from + j));
+                        let second = _mm256_castps_pd(pair(from + 4 + j));
+                        let pairs = _mm512_insertf64x4::<1>(_mm512_castps_pd(pairs), second);
+                        _mm512_castpd_ps(pairs)
+                    },
+                );
+                // Of eight lanes: numbers of first rows in the blocks 0 and 2, of second ones in 1 and 3.
+                let eight = inlined(
+                    #[inline(always)]
+                    |from: usize| -> [__m512; 4] {
+                        transposed!(
+                            [
+                                pairs(0, from),
+                                pairs(1, from),
+                                pairs(2, from),
+                                pairs(3, from)
+                            ],
+                            _mm512_unpacklo_ps,
+                            _mm512_unpackhi_ps,
+                            _mm512_unpacklo_pd,
+                            _mm512_unpackhi_pd,
+                            _mm512_castps_pd,
+                            _mm512_castpd_ps
+                        )
+                    },
+                );
+                let (low, high) = (eight(0), eight(8));
+                let first = inlined(
+                    #[inline(always)]
+                    |c: usize| _mm512_shuffle_f32x4::<0x88>(low[c], high[c]).simd_into(self),
+                );
+                let second = inlined(
+                    #[inline(always)]
+                    |c: usize| _mm512_shuffle_f32x4::<0xDD>(low[c], high[c]).simd_into(self),
+                );
+                [
+                    [first(0), first(1), first(2), first(3)],
+                    [second(0), second(1), second(2), second(3)],
+                ]
+            }
+        }
+
+        #[inline(always)]
         unsafe fn rows(self, rows: &[[f32; 4]], indices: i32x16<Self>) -> [f32x16<Self>; 4] {
             debug_assert!(indices.iter().all(|&i| (i as usize) < rows.len()));
-            let indices: [i32; 16] = indices.into();
+            let indices = in_memory(indices);
             // SAFETY: the processor has the instructions, as `self` proves; every row exists, as the
             // caller promises.
             unsafe {
@@ -222,8 +374,7 @@ mod x86 {
                         _mm512_insertf32x4::<3>(blocks, row(12 + j))
                     },
                 );
-                transposed!(
-                    self,
+                let [a, b, c, d] = transposed!(
                     [blocks(0), blocks(1), blocks(2), blocks(3)],
                     _mm512_unpacklo_ps,
                     _mm512_unpackhi_ps,
@@ -231,12 +382,20 @@ mod x86 {
                     _mm512_unpackhi_pd,
                     _mm512_castps_pd,
                     _mm512_castpd_ps
-                )
+                );
+                [
+                    a.simd_into(self),
+                    b.simd_into(self),
+                    c.simd_into(self),
+                    d.simd_into(self),
+                ]
             }
         }
     }
 
     impl Level for Avx2 {
+        const HAS_LOOPS_PER_TYPE: bool = true;
+
         #[inline(always)]
         fn proof() -> Avx2 {
             // SAFETY: only code below `dispatch` is compiled for this level.
@@ -263,9 +422,62 @@ mod x86 {
         }
 
         #[inline(always)]
+        unsafe fn row_pairs(
+            self,
+            rows: &[[f32; 4]],
+            indices: i32x16<Self>,
+        ) -> [[f32x16<Self>; 4]; 2] {
+            debug_assert!(indices.iter().all(|&i| (i as usize) + 1 < rows.len()));
+            let indices = in_memory(indices);
+            // SAFETY: as above.
+            unsafe {
+                let pair =
+                    |lane: usize| _mm256_loadu_ps(rows.as_ptr().add(indices[lane] as usize).cast());
+                // Of four lanes: numbers of first rows in the first block, of second ones in the other.
+                let four = inlined(
+                    #[inline(always)]
+                    |from: usize| -> [__m256; 4] {
+                        transposed!(
+                            [pair(from), pair(from + 1), pair(from + 2), pair(from + 3)],
+                            _mm256_unpacklo_ps,
+                            _mm256_unpackhi_ps,
+                            _mm256_unpacklo_pd,
+                            _mm256_unpackhi_pd,
+                            _mm256_castps_pd,
+                            _mm256_castpd_ps
+                        )
+                    },
+                );
+                let (a, b, c, d) = (four(0), four(4), four(8), four(12));
+                let first = inlined(
+                    #[inline(always)]
+                    |i: usize| -> f32x16<Avx2> {
+                        let low: f32x8<Avx2> =
+                            _mm256_permute2f128_ps::<0x20>(a[i], b[i]).simd_into(self);
+                        let high = _mm256_permute2f128_ps::<0x20>(c[i], d[i]).simd_into(self);
+                        self.combine_f32x8(low, high)
+                    },
+                );
+                let second = inlined(
+                    #[inline(always)]
+                    |i: usize| -> f32x16<Avx2> {
+                        let low: f32x8<Avx2> =
+                            _mm256_permute2f128_ps::<0x31>(a[i], b[i]).simd_into(self);
+                        let high = _mm256_permute2f128_ps::<0x31>(c[i], d[i]).simd_into(self);
+                        self.combine_f32x8(low, high)
+                    },
+                );
+                [
+                    [first(0), first(1), first(2), first(3)],
+                    [second(0), second(1), second(2), second(3)],
+                ]
+            }
+        }
+
+        #[inline(always)]
         unsafe fn rows(self, rows: &[[f32; 4]], indices: i32x16<Self>) -> [f32x16<Self>; 4] {
             debug_assert!(indices.iter().all(|&i| (i as usize) < rows.len()));
-            let indices: [i32; 16] = indices.into();
+            let indices = in_memory(indices);
             // SAFETY: as above.
             unsafe {
                 let row =
@@ -275,8 +487,7 @@ mod x86 {
                     #[inline(always)]
                     |from: usize| -> [f32x8<Avx2>; 4] {
                         let blocks = |j: usize| _mm256_set_m128(row(from + 4 + j), row(from + j));
-                        transposed!(
-                            self,
+                        let [a, b, c, d] = transposed!(
                             [blocks(0), blocks(1), blocks(2), blocks(3)],
                             _mm256_unpacklo_ps,
                             _mm256_unpackhi_ps,
@@ -284,7 +495,13 @@ mod x86 {
                             _mm256_unpackhi_pd,
                             _mm256_castps_pd,
                             _mm256_castpd_ps
-                        )
+                        );
+                        [
+                            a.simd_into(self),
+                            b.simd_into(self),
+                            c.simd_into(self),
+                            d.simd_into(self),
+                        ]
                     },
                 );
                 let (low, high) = (eight(0), eight(8));
@@ -299,6 +516,8 @@ mod x86 {
     }
 
     impl Level for Sse2 {
+        const HAS_LOOPS_PER_TYPE: bool = false;
+
         #[inline(always)]
         fn proof() -> Sse2 {
             // SAFETY: every processor that this target's code runs on has it.
@@ -310,7 +529,7 @@ mod x86 {
         #[inline(always)]
         unsafe fn words(self, bytes: &[u8], offsets: i32x16<Self>) -> u32x16<Self> {
             // SAFETY: as the caller promises.
-            unsafe { words_one_by_one(self, bytes, offsets) }
+            unsafe { words_one_by_one(bytes, &offsets.into()) }.simd_into(self)
         }
     }
 }
@@ -335,6 +554,8 @@ pub type Portable = fearless_simd::Fallback;
 
 #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
 impl Level for Portable {
+    const HAS_LOOPS_PER_TYPE: bool = false;
+
     #[inline(always)]
     fn proof() -> Portable {
         portable_proof()
@@ -343,7 +564,7 @@ impl Level for Portable {
     #[inline(always)]
     unsafe fn words(self, bytes: &[u8], offsets: i32x16<Self>) -> u32x16<Self> {
         // SAFETY: as the caller promises.
-        unsafe { words_one_by_one(self, bytes, offsets) }
+        unsafe { words_one_by_one(bytes, &offsets.into()) }.simd_into(self)
     }
 }
 

@@ -27,33 +27,43 @@
 
 mod doubles;
 mod elementary;
+mod even;
+#[cfg(feature = "bench-kernels")]
+#[doc(hidden)]
+pub mod kernels;
 mod lanes;
 mod levels;
 mod library;
 mod march;
 mod meshes;
 mod ray;
+mod refine;
 mod scenery;
 mod skip;
 mod tiles;
 
 pub use levels::InstructionSet;
+pub use refine::Stage;
 
+use even::{EvenCubes, RecentCubes};
 use levels::{Level, Task, dispatch};
+use library::classify::RecentIntegrals;
 use library::fetch::{MarschnerLobb, Noise, Shape};
 use library::jitter::Jitters;
 use library::reconstruct::{Values, of_fetch, values};
 use library::shade::Shading;
 use march::Counts;
 use meshes::Meshes;
-use scenery::{Object, Scenery};
+use scenery::{Object, Scenery, Stored};
 use skip::{Recent, Skip};
 use std::ops::ControlFlow;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 use strahl_scene::Image;
-use strahl_scene::plan::{ClipShape, Fetch, Plan, PlanObject, Reconstruct};
-use strahl_volume::{Datasets, Rescale, Volume, bricks::Bricks};
+use strahl_scene::plan::{ClipShape, Fetch, Plan, PlanObject, Reconstruct, Sampling};
+use strahl_volume::bricks::{BrickRange, Bricks};
+use strahl_volume::{Datasets, Rescale, Volume};
+use tiles::Raster;
 
 /// Called after every tile, from any thread, with the number of tiles drawn and of all tiles;
 /// `Break` ends the picture with [`Error::Cancelled`].
@@ -72,6 +82,8 @@ pub struct Renderer<'v> {
     bricks_seconds: f64,
     /// What is known of them.
     recent: Recent,
+    recent_cubes: RecentCubes,
+    recent_integrals: RecentIntegrals,
     /// Of the volume with this number: made when a Plan first asks for it.
     coefficients: Mutex<Vec<Option<Arc<Coefficients>>>>,
     meshes: Meshes,
@@ -234,6 +246,34 @@ struct Drawing<'d, 'v> {
     progress: Progress<'d>,
 }
 
+/// Runs `task` with the instructions and the number of threads that `options` say.
+fn run<T, R>(options: &Options, task: T) -> Result<R, Error>
+where
+    T: Task<Output = Result<R, Error>> + Send,
+    R: Send,
+{
+    let set = match options.instructions {
+        Some(set) => set,
+        None => InstructionSet::from_environment()?,
+    };
+    if !set.is_there() {
+        return Err(Error::NoSuchInstructions {
+            value: set.to_string(),
+        });
+    }
+    if options.threads == 0 {
+        return dispatch(set, task);
+    }
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(options.threads)
+        .build()
+        .map_err(|why| Error::Threads {
+            threads: options.threads,
+            why: why.to_string(),
+        })?
+        .install(|| dispatch(set, task))
+}
+
 impl Task for Drawing<'_, '_> {
     type Output = Result<Rendered, Error>;
 
@@ -256,6 +296,8 @@ impl<'v> Renderer<'v> {
                 .collect(),
             bricks_seconds: start.elapsed().as_secs_f64(),
             recent: Recent::default(),
+            recent_cubes: RecentCubes::default(),
+            recent_integrals: RecentIntegrals::default(),
             coefficients: Mutex::new(vec![None; data.volumes.len()]),
             meshes: Meshes::new(&data.meshes),
             data,
@@ -275,32 +317,15 @@ impl<'v> Renderer<'v> {
         progress: Progress,
     ) -> Result<Rendered, Error> {
         self.check(plan, options)?;
-        let set = match options.instructions {
-            Some(set) => set,
-            None => InstructionSet::from_environment()?,
-        };
-        if !set.is_there() {
-            return Err(Error::NoSuchInstructions {
-                value: set.to_string(),
-            });
-        }
-        let drawing = Drawing {
-            renderer: self,
-            plan,
+        run(
             options,
-            progress,
-        };
-        if options.threads == 0 {
-            return dispatch(set, drawing);
-        }
-        rayon::ThreadPoolBuilder::new()
-            .num_threads(options.threads)
-            .build()
-            .map_err(|why| Error::Threads {
-                threads: options.threads,
-                why: why.to_string(),
-            })?
-            .install(|| dispatch(set, drawing))
+            Drawing {
+                renderer: self,
+                plan,
+                options,
+                progress,
+            },
+        )
     }
 
     fn check(&self, plan: &Plan, options: &Options) -> Result<(), Error> {
@@ -422,13 +447,29 @@ impl<'v> Renderer<'v> {
         }
     }
 
-    fn draw<S: Level>(
+    /// What object number `object` is reconstructed from, and its bricks.
+    fn read_for<'a>(
+        &'a self,
+        plan: &Plan,
+        object: usize,
+        coefficients: &'a [Option<Arc<Coefficients>>],
+    ) -> (&'a Volume, &'a Bricks) {
+        match coefficients[object].as_deref() {
+            Some(Coefficients { volume, bricks }) => (volume, bricks),
+            None => {
+                let volume = plan.objects[object].volume;
+                (self.data.volumes[volume], &self.bricks[volume])
+            }
+        }
+    }
+
+    /// What `draw` makes of `plan` with everything prepared.
+    fn with_scenery<S: Level, R>(
         &self,
         plan: &Plan,
         options: &Options,
-        progress: Progress,
-    ) -> Result<Rendered, Error> {
-        let start = Instant::now();
+        draw: impl FnOnce(&Scenery<S>) -> R,
+    ) -> Result<R, Error> {
         let coefficients = plan
             .objects
             .iter()
@@ -450,27 +491,63 @@ impl<'v> Renderer<'v> {
             })
             .collect();
         let object = |index: usize| {
-            let bricks = match coefficients[index].as_deref() {
-                Some(coefficients) => &coefficients.bricks,
-                None => &self.bricks[plan.objects[index].volume],
-            };
+            let (volume, bricks) = self.read_for(plan, index, &coefficients);
             let skip = options
                 .skip
                 .then(|| Skip::new(&self.recent, bricks, plan, index))
                 .flatten();
-            Object::new(plan, index, &*sources[index], &masks, skip)
+            let placed = &plan.objects[index];
+            let samples = self.data.volumes[placed.volume].samples();
+            let is_plain =
+                plan.fetch == Fetch::Stored && plan.reconstruct == Reconstruct::Trilinear;
+            let stored = is_plain
+                .then(|| Stored::new(&placed.grid, samples))
+                .flatten();
+            // Both need what is beside a voxel to have a value: bricks side by side have one in common then.
+            let is_whole = plan.sampling == Sampling::Regular || is_whole(volume, bricks);
+            let skip = skip.filter(|_| is_whole || !plan.sampling.is_of_segments());
+            let even = is_whole
+                .then(|| EvenCubes::new(&self.recent_cubes, bricks, plan, index))
+                .flatten();
+            let integrals = self.recent_integrals.find(plan, index);
+            let source = &*sources[index];
+            Object::new(plan, index, source, stored, &masks, skip, even, integrals)
         };
-        let scenery = Scenery {
+        Ok(draw(&Scenery {
             plan,
             objects: (0..plan.objects.len()).map(object).collect(),
             shading: Shading::new(plan),
             jitters: Jitters::new(plan),
             meshes: &self.meshes,
-        };
-        let prepared = Instant::now();
-        let drawn = tiles::draw(&scenery, options.tile, progress)?;
-        let counts = drawn.counts;
-        let stats = Stats {
+        }))
+    }
+
+    fn draw<S: Level>(
+        &self,
+        plan: &Plan,
+        options: &Options,
+        progress: Progress,
+    ) -> Result<Rendered, Error> {
+        let start = Instant::now();
+        self.with_scenery::<S, _>(plan, options, |scenery| {
+            let prepared = Instant::now();
+            let drawn = tiles::draw(scenery, Raster::ALL, options.tile, progress)?;
+            let image = Image::from_pixels(plan.width, plan.height, drawn.pixels);
+            Ok(Rendered {
+                image: image.into_linear(plan.compositing),
+                depth_mm: plan.with_depth.then_some(drawn.depth_mm),
+                stats: Stats {
+                    prepare_seconds: (prepared - start).as_secs_f64(),
+                    draw_seconds: prepared.elapsed().as_secs_f64(),
+                    ..self.stats(plan, drawn.counts)
+                },
+            })
+        })?
+    }
+
+    /// What `counts` say of a picture of `plan`; no times but that of the bricks.
+    fn stats(&self, plan: &Plan, counts: Counts) -> Stats {
+        Stats {
             rays: u64::from(plan.width) * u64::from(plan.height),
             rays_in_volume: counts.rays_in_volume,
             rays_ended_early: counts.ended_early,
@@ -481,16 +558,16 @@ impl<'v> Renderer<'v> {
             skipped_mm: counts.skipped as f64 * plan.lattice.step_mm,
             threads: rayon::current_num_threads(),
             bricks_seconds: self.bricks_seconds,
-            prepare_seconds: (prepared - start).as_secs_f64(),
-            draw_seconds: prepared.elapsed().as_secs_f64(),
-        };
-        let image = Image::from_pixels(plan.width, plan.height, drawn.pixels);
-        Ok(Rendered {
-            image: image.into_linear(plan.compositing),
-            depth_mm: plan.with_depth.then_some(drawn.depth_mm),
-            stats,
-        })
+            prepare_seconds: 0.0,
+            draw_seconds: 0.0,
+        }
     }
+}
+
+/// Whether every voxel has a value, and none is so large that differences overflow.
+fn is_whole(volume: &Volume, bricks: &Bricks) -> bool {
+    let fits = |range: &BrickRange| range.lo > -1e37 && range.hi < 1e37;
+    volume.statistics().not_finite == 0 && bricks.ranges().iter().all(fits)
 }
 
 impl Counts {

@@ -4,8 +4,15 @@
 //! which lattice points are left out. Slots are chosen once per packet step, so that free
 //! composition costs next to nothing.
 
+mod adaptive;
+mod projection;
+mod segments;
+mod through_voxels;
+
+pub use projection::OfRuns;
+
 use crate::doubles::F64s;
-use crate::lanes::{F32s, LANES, Mask, Vec3s, each, lanes, length, unit};
+use crate::lanes::{F32s, LANES, Mask, Vec3s, each, lanes, length, to_rows, unit};
 use crate::levels::{Level, inlined, vectorized};
 use crate::library::classify::Surface;
 use crate::library::composite::{
@@ -14,7 +21,8 @@ use crate::library::composite::{
 use crate::ray::{Line, RayPacket};
 use crate::scenery::{Look, Object, Scenery};
 use crate::skip::Skip;
-use strahl_scene::plan::{Composite, DebugView, Shade};
+use segments::{Inside, Shown};
+use strahl_scene::plan::{Composite, DebugView, Sampling, Shade};
 
 /// What a packet of rays has cost.
 #[derive(Clone, Copy, Default)]
@@ -55,7 +63,7 @@ struct Packet<'s, S: Level> {
 impl<S: Level> Scenery<'_, S> {
     /// What a packet of rays sees.
     #[inline(always)]
-    pub fn march(&self, rays: &RayPacket<S>, counts: &mut Counts) -> Seen {
+    pub fn march(&self, rays: &RayPacket<S>, of_runs: &mut OfRuns<S>, counts: &mut Counts) -> Seen {
         let mut packet = Packet {
             scenery: self,
             rays,
@@ -70,8 +78,21 @@ impl<S: Level> Scenery<'_, S> {
             skipped: F32s::zero(),
         };
         let walked = match (self.objects.as_slice(), self.plan.composite) {
+            ([object], _) if self.plan.sampling != Sampling::Regular => packet.otherwise(object),
             ([object], Composite::BackToFront) => packet.backwards(object),
-            ([object], _) => packet.forwards(object),
+            ([object], Composite::EmissionAbsorption { .. } | Composite::FirstHit { .. }) => {
+                match object.stored_for(self.plan.composite, &self.shading) {
+                    Some(stored) if S::HAS_LOOPS_PER_TYPE => packet.through_voxels(object, stored),
+                    _ => packet.forwards(object),
+                }
+            }
+            ([object], _) => match object.skip.as_ref().and_then(Skip::bounds) {
+                Some(bounds) => {
+                    packet.project(object, bounds, of_runs);
+                    rays.count
+                }
+                None => packet.forwards(object),
+            },
             (_, Composite::BackToFront) => packet.backwards_through_several(),
             _ => packet.forwards_through_several(),
         };
@@ -94,18 +115,10 @@ impl<S: Level> Packet<'_, S> {
         let one = F32s::splat(1.0);
         let mut k = F32s::zero();
         let mut live = k.lt(rays.count);
-        let bound = match &object.skip {
-            Some(skip) if self.scenery.plan.composite == Composite::Mip => {
-                Some(self.least_maximum(object, skip, line))
-            }
-            _ => None,
-        };
         while live.any() {
             let position = line.position(k + rays.jitter);
             if let Some(skip) = &object.skip {
-                let value = self.state.value;
-                let seen = bound.map_or(value, |bound| bound.max(value));
-                let jump = skip.jump(object.values.shape(), line, position, seen);
+                let jump = skip.jump(object.values.shape(), line, position);
                 let empty = live & F32s::zero().lt(jump);
                 if empty.any() {
                     // The others wait, so that sampling happens for as many rays as possible.
@@ -121,48 +134,36 @@ impl<S: Level> Packet<'_, S> {
                 let value = self.value(object, position, sampled);
                 // What is not finite is no value: no rule counts it.
                 let sampled = sampled & value.is_finite();
-                let visible = self.add(object, line, k, position, sampled, value);
+                let visible = self.add(object, k, position, sampled, value);
                 self.visible += visible.select(one, F32s::zero());
             }
             k = live.select(k + one, k);
             live = live & k.lt(rays.count) & !self.done();
         }
+        if let Composite::FirstHit { threshold } = self.scenery.plan.composite {
+            self.hit(object, F32s::splat(threshold as f32));
+        }
         k
     }
 
-    /// A number that the largest value of each ray is above: just below the largest of every eighth value.
-    /// What cannot be above it need not be looked at, whatever comes first.
-    #[inline(never)]
-    fn least_maximum(&self, object: &Object<S>, skip: &Skip, line: &Line<S>) -> F32s<S> {
-        vectorized::<S, _>(
-            #[inline(always)]
-            || {
-                const STRIDE: f32 = 8.0;
-                let rays = self.rays;
-                let stride = F32s::splat(STRIDE);
-                let mut largest = F32s::splat(maximum::START);
-                let mut k = F32s::splat(0.5 * STRIDE);
-                let mut live = k.lt(rays.count);
-                while live.any() {
-                    let position = line.position(k + rays.jitter);
-                    let jump = skip.jump(object.values.shape(), line, position, largest);
-                    let matters = live & jump.eq(F32s::zero());
-                    if matters.any() {
-                        let sampled = object.clips.keep(position, matters);
-                        let value = object.values.at(position);
-                        let better = sampled & value.is_finite() & largest.lt(value);
-                        largest = better.select(value, largest);
-                    }
-                    // As many strides as the jump covers, at least one.
-                    let strides = (jump * F32s::splat(1.0 / STRIDE)).to_i32s().to_f32s();
-                    k += strides.max(F32s::splat(1.0)) * stride;
-                    live = k.lt(rays.count);
-                }
-                // By more than a unit in its last place.
-                let less = largest.abs() * F32s::splat(f32::EPSILON);
-                largest - less.max(F32s::splat(f32::MIN_POSITIVE))
-            },
-        )
+    /// Front to back through one volume by another rule than a sample at every lattice point.
+    #[inline(always)]
+    fn otherwise(&mut self, object: &Object<S>) -> F32s<S> {
+        match self.scenery.plan.sampling {
+            Sampling::Regular => self.forwards(object),
+            Sampling::Refine { parts } => {
+                self.by_segments(object, Shown::InParts(parts, Inside::Reconstructed))
+            }
+            Sampling::Split { parts, curve } => {
+                self.by_segments(object, Shown::InParts(parts, Inside::Between(curve)))
+            }
+            Sampling::Integrated => {
+                let integrals = object.integrals.as_ref();
+                let integrals = integrals.expect("objects have them where the rule asks");
+                self.by_segments(object, Shown::AsIntegrals(integrals))
+            }
+            Sampling::Adaptive { .. } => self.by_runs(object),
+        }
     }
 
     /// Back to front through one volume: every sample.
@@ -262,8 +263,7 @@ impl<S: Level> Packet<'_, S> {
             let own = match &object.skip {
                 Some(skip) if inside.any() => {
                     let position = line.position(k + self.rays.jitter);
-                    let seen = self.state.value;
-                    let jump = skip.jump(object.values.shape(), line, position, seen);
+                    let jump = skip.jump(object.values.shape(), line, position);
                     // Behind its last point it shows nothing either.
                     let to_end = (line.end - k).le(jump);
                     to_end.select(self.rays.count - k, jump)
@@ -334,7 +334,6 @@ impl<S: Level> Packet<'_, S> {
     fn add(
         &mut self,
         object: &Object<S>,
-        line: &Line<S>,
         k: F32s<S>,
         position: Vec3s<S>,
         sampled: Mask<S>,
@@ -376,12 +375,7 @@ impl<S: Level> Packet<'_, S> {
                 sampled
             }
             Composite::FirstHit { threshold } => {
-                let threshold = F32s::splat(threshold as f32);
-                let hit = sampled & threshold.le(value);
-                if hit.any() {
-                    self.hit(object, line, k, threshold, hit);
-                }
-                hit
+                self.meet(F32s::splat(threshold as f32), k, value, sampled)
             }
             Composite::Debug(view) => self.inspect(view, object, place, position, sampled, value),
         }
@@ -405,32 +399,39 @@ impl<S: Level> Packet<'_, S> {
         )
     }
 
-    /// Rays whose value reaches the threshold at lattice point `k` first.
-    #[inline(never)]
-    fn hit(
+    /// Ends the rays whose value reaches the threshold at lattice point `k`, and remembers that: where between the
+    /// points it lies is looked for when all rays of the packet have ended.
+    #[inline(always)]
+    fn meet(
         &mut self,
-        object: &Object<S>,
-        line: &Line<S>,
-        k: F32s<S>,
         threshold: F32s<S>,
-        hit: Mask<S>,
-    ) {
+        k: F32s<S>,
+        value: F32s<S>,
+        sampled: Mask<S>,
+    ) -> Mask<S> {
+        let hit = sampled & threshold.le(value);
+        self.state.place = hit.select(k, self.state.place);
+        self.state.alpha = hit.select(F32s::splat(1.0), self.state.alpha);
+        hit
+    }
+
+    /// The look of the rays that have met the threshold.
+    #[inline(never)]
+    fn hit(&mut self, object: &Object<S>, threshold: F32s<S>) {
         vectorized::<S, _>(
             #[inline(always)]
-            || self.hit_here(object, line, k, threshold, hit),
+            || {
+                let hit = F32s::zero().lt(self.state.alpha);
+                if hit.any() {
+                    self.hit_here(object, &self.rays.lines[0], threshold, hit);
+                }
+            },
         );
     }
 
     #[inline(always)]
-    fn hit_here(
-        &mut self,
-        object: &Object<S>,
-        line: &Line<S>,
-        k: F32s<S>,
-        threshold: F32s<S>,
-        hit: Mask<S>,
-    ) {
-        let jitter = self.rays.jitter;
+    fn hit_here(&mut self, object: &Object<S>, line: &Line<S>, threshold: F32s<S>, hit: Mask<S>) {
+        let (k, jitter) = (self.state.place, self.rays.jitter);
         let reached = |s: F32s<S>| {
             let position = line.position(s);
             let value = object.values.at(position);
@@ -572,24 +573,32 @@ impl<S: Level> Packet<'_, S> {
         let behind = F32s::splat(1.0) - alpha;
         let over = inlined(
             #[inline(always)]
-            |c: F32s<S>, channel: usize| {
-                c + behind * F32s::from_array(lanes(|i| self.rays.behind[i][channel]))
-            },
+            |c: F32s<S>, channel: usize| c + behind * self.rays.behind[channel],
         );
         let [r, g, b] = each!([0, 1, 2], |c| over(colour[c], c));
         let a = over(alpha, 3);
+        Seen {
+            pixels: to_rows([r, g, b, a]),
+            depth_mm: if self.scenery.plan.with_depth {
+                self.depth_mm()
+            } else {
+                [f32::INFINITY; LANES]
+            },
+        }
+    }
+
+    /// How far away what is seen lies.
+    #[inline(always)]
+    fn depth_mm(&self) -> [f32; LANES] {
         let hits = matches!(self.scenery.plan.composite, Composite::FirstHit { .. });
         let distance = self.distance_mm(self.state.place);
-        Seen {
-            pixels: lanes(|i| [r.lane(i), g.lane(i), b.lane(i), a.lane(i)]),
-            depth_mm: lanes(|i| {
-                if hits && alpha.lane(i) > 0.0 {
-                    distance.lane(i)
-                } else {
-                    self.rays.opaque_mm[i] as f32
-                }
-            }),
-        }
+        lanes(|i| {
+            if hits && self.state.alpha.lane(i) > 0.0 {
+                distance.lane(i)
+            } else {
+                self.rays.opaque_mm[i] as f32
+            }
+        })
     }
 
     /// `value` classified and shaded once, nothing where none was `found`.
@@ -611,5 +620,6 @@ impl<S: Level> Packet<'_, S> {
 /// Each lane is a whole number of at most 2^24, exact in f32.
 #[inline(always)]
 fn sum<S: Level>(numbers: F32s<S>) -> u64 {
-    (0..LANES).map(|lane| numbers.lane(lane) as u64).sum()
+    let numbers = numbers.to_i32s().to_array();
+    numbers.iter().map(|&number| number as u64).sum()
 }

@@ -6,8 +6,9 @@ use crate::levels::{Level, inlined};
 use crate::library::clip_ray;
 use crate::library::jitter::Jitters;
 use crate::scenery::Scenery;
+use crate::tiles::Raster;
 use glam::DVec3;
-use strahl_scene::plan::{MOST_OBJECTS, Plan, Projection, Ray};
+use strahl_scene::plan::{MOST_OBJECTS, Plan, Projection, Ray, Sampling};
 use strahl_volume::Grid;
 
 /// Further than any lattice reaches, as a number of steps.
@@ -29,10 +30,13 @@ pub struct RayPacket<S: Level> {
     pub jitter: F32s<S>,
     /// Number of lattice points: whole, 0 for a ray that misses and a lane without a pixel.
     pub count: F32s<S>,
+    /// Between the last lattice point and where the ray leaves: where steps have parts, how many of them lie there;
+    /// where they are integrated, the share of a step, from the point before the ray if there is none on it. 0 elsewhere.
+    pub tail: F32s<S>,
     /// Lanes that have a pixel.
     pub pixels: [bool; LANES],
     /// What is behind: opaque geometry, or the background. Premultiplied.
-    pub behind: [[f32; 4]; LANES],
+    pub behind: [F32s<S>; 4],
     /// How far away the opaque geometry is, in mm; infinite without.
     pub opaque_mm: [f64; LANES],
 }
@@ -199,38 +203,66 @@ impl<S: Level> RayPacket<S> {
             entry_mm: F64s::splat(0.0),
             jitter: F32s::zero(),
             count: F32s::zero(),
+            tail: F32s::zero(),
             pixels: [false; LANES],
-            behind: [[0.0; 4]; LANES],
+            behind: [F32s::zero(); 4],
             opaque_mm: [f64::INFINITY; LANES],
         }
     }
 
-    /// Becomes the rays of the block of pixels with its corner at column `x0`, row `y0`, as far as it
-    /// lies left of column `x_end` and above row `y_end`, in picture number `frame`.
+    /// Becomes the rays of the block of pixels with its corner at column `x0`, row `y0` of `raster`, as far as
+    /// it lies left of column `x_end` and above row `y_end` of it, in picture number `frame`.
     #[inline(always)]
     pub fn aim(
         &mut self,
         scenery: &Scenery<S>,
+        raster: Raster,
         [x0, y0]: [u32; 2],
         [x_end, y_end]: [u32; 2],
         frame: u32,
     ) {
         let plan = scenery.plan;
-        let column = |lane: usize| x0 + (lane % PACKET[0]) as u32;
-        let row = |lane: usize| y0 + (lane / PACKET[0]) as u32;
-        self.pixels = lanes(|lane| column(lane) < x_end && row(lane) < y_end);
+        let in_raster = |lane: usize| {
+            let (x, y) = (lane % PACKET[0], lane / PACKET[0]);
+            [x0 + x as u32, y0 + y as u32]
+        };
+        let Raster { first, stride } = raster;
+        let column = |lane: usize| first[0] + in_raster(lane)[0] * stride[0];
+        let row = |lane: usize| first[1] + in_raster(lane)[1] * stride[1];
+        self.pixels = lanes(|lane| in_raster(lane)[0] < x_end && in_raster(lane)[1] < y_end);
+        // Whole numbers, exact.
+        let whole = |n: u32| F64s::splat(n.into());
         let (x, y) = (F64s::from_array(COLUMNS), F64s::from_array(ROWS));
-        let (x, y) = (x + F64s::splat(x0.into()), y + F64s::splat(y0.into()));
+        let (x, y) = (x + whole(x0), y + whole(y0));
+        let x = x * whole(stride[0]) + whole(first[0]);
+        let y = y * whole(stride[1]) + whole(first[1]);
         let rays = Rays::of_camera(plan, x, y);
         self.direction = each!(rays.direction, |c| F64s::to_single(c));
         if plan.meshes.is_empty() {
             self.opaque_mm = [f64::INFINITY; LANES];
-            self.behind = [plan.background; LANES];
+            let [r, g, b, a] = plan.background;
+            self.behind = [
+                F32s::splat(r),
+                F32s::splat(g),
+                F32s::splat(b),
+                F32s::splat(a),
+            ];
         } else {
+            let mut behind = [[0.0; LANES]; 4];
             for lane in (0..LANES).filter(|&lane| self.pixels[lane]) {
-                (self.opaque_mm[lane], self.behind[lane]) =
-                    scenery.meshes.behind(&rays.ray(lane), plan);
+                let colour;
+                (self.opaque_mm[lane], colour) = scenery.meshes.behind(&rays.ray(lane), plan);
+                for (channel, number) in behind.iter_mut().zip(colour) {
+                    channel[lane] = number;
+                }
             }
+            let [r, g, b, a] = behind;
+            self.behind = [
+                F32s::from_array(r),
+                F32s::from_array(g),
+                F32s::from_array(b),
+                F32s::from_array(a),
+            ];
         }
         self.jitter = match scenery.jitters {
             Jitters::Centre => F32s::splat(0.5),
@@ -272,6 +304,20 @@ impl<S: Level> RayPacket<S> {
         }
         self.entry_mm = t_entry;
         self.count = points(met, t_exit);
+        let parts = plan.sampling.parts();
+        if parts > 1 {
+            let (one, parts) = (F64s::splat(1.0), F64s::splat(f64::from(parts)));
+            let last = F64s::from_single(self.count) - one + jitter;
+            let beyond = (t_exit - t_entry).over(step_mm) - last;
+            let tail = (beyond * parts).ceil() - one;
+            let tail = tail.max(zero).min(parts - one);
+            self.tail = met.select(tail, zero).to_single();
+        } else if plan.sampling == Sampling::Integrated {
+            let one = F64s::splat(1.0);
+            let last = F64s::from_single(self.count) - one + jitter;
+            let tail = (t_exit - t_entry).over(step_mm) - last;
+            self.tail = met.select(tail.max(zero).min(one), zero).to_single();
+        }
     }
 }
 

@@ -1,17 +1,21 @@
 //! A Plan with everything prepared that is the same for all rays.
 
-use crate::elementary::opacity_of_length;
+use crate::elementary::{opacity_of_length, opacity_of_lengths};
+use crate::even::EvenCubes;
 use crate::lanes::{Affine, F32s, Mask, Vec3s};
-use crate::levels::{Level, vectorized};
-use crate::library::classify::{Surface, Table, classify};
+use crate::levels::{Level, inlined, vectorized};
+use crate::library::classify::{Between, Integrals, Surface, Table, classify};
 use crate::library::clip_sample::SampleClips;
+use crate::library::fetch::Linear;
 use crate::library::gradient::Gradients;
 use crate::library::jitter::Jitters;
 use crate::library::reconstruct::Values;
 use crate::library::shade::{Place, Shading};
 use crate::meshes::Meshes;
 use crate::skip::Skip;
-use strahl_scene::plan::{Classify, GradientInput, Plan};
+use std::sync::Arc;
+use strahl_scene::plan::{Classify, Composite, GradientInput, Plan};
+use strahl_volume::{Grid, Rescale, Samples};
 
 /// The functions in the slots, with what they read.
 pub struct Scenery<'p, S: Level> {
@@ -25,14 +29,45 @@ pub struct Scenery<'p, S: Level> {
 /// A volume in the picture.
 pub struct Object<'p, S: Level> {
     pub values: &'p dyn Values<S>,
+    /// The voxels behind them, where a loop can read them itself.
+    pub stored: Option<Stored<'p>>,
     pub clips: SampleClips<'p, S>,
     pub table: Table<'p>,
     pub gradients: Gradients,
     pub skip: Option<Skip>,
+    /// Where one sample can stand for several; where the Plan's sampling is adaptive.
+    pub even: Option<EvenCubes>,
+    /// Whether anything is shown between two values; where the Plan's sampling is of segments.
+    pub between: Option<Between>,
+    /// What is shown between two values; where the Plan's sampling is integrated.
+    pub integrals: Option<Arc<Integrals>>,
     classify: Classify,
-    /// step/reference, the exponent of the opacity correction.
+    /// Of the values from stored numbers.
+    rescale: Rescale,
+    /// (Part of a) step/reference, the exponent of the opacity correction.
     steps_per_reference: f32,
     world_from_voxel: Affine,
+}
+
+/// Voxels of the types that scans and simulations have.
+pub enum Stored<'v> {
+    U8(Linear<'v, u8>),
+    U16(Linear<'v, u16>),
+    I16(Linear<'v, i16>),
+    F32(Linear<'v, f32>),
+}
+
+impl<'v> Stored<'v> {
+    /// The voxels of `grid`; `None` for other types.
+    pub fn new(grid: &Grid, samples: &'v Samples) -> Option<Stored<'v>> {
+        Some(match samples {
+            Samples::U8(samples) => Stored::U8(Linear::new(grid, samples)),
+            Samples::U16(samples) => Stored::U16(Linear::new(grid, samples)),
+            Samples::I16(samples) => Stored::I16(Linear::new(grid, samples)),
+            Samples::F32(samples) => Stored::F32(Linear::new(grid, samples)),
+            _ => return None,
+        })
+    }
 }
 
 /// The look of a sample: opacity of one step.
@@ -44,24 +79,70 @@ pub struct Look<S: Level> {
 
 impl<'p, S: Level> Object<'p, S> {
     /// Object number `object` of `plan`.
+    #[expect(clippy::too_many_arguments, reason = "what an object is made of")]
     pub fn new(
         plan: &'p Plan,
         object: usize,
         values: &'p dyn Values<S>,
+        stored: Option<Stored<'p>>,
         masks: &'p [Box<dyn Values<S> + 'p>],
         skip: Option<Skip>,
+        even: Option<EvenCubes>,
+        integrals: Option<Arc<Integrals>>,
     ) -> Object<'p, S> {
         let placed = &plan.objects[object];
         let table = &placed.table;
+        let part_mm = plan.lattice.step_mm / f64::from(plan.sampling.parts());
         Object {
             values,
+            stored,
+            rescale: placed.rescale,
             clips: SampleClips::new(plan, object, &placed.grid, masks),
             table: Table::new(table),
             gradients: Gradients::new(plan.gradient, &placed.grid),
             skip,
+            even,
+            between: plan
+                .sampling
+                .is_of_segments()
+                .then(|| Between::new(plan.classify, table)),
+            integrals,
             classify: plan.classify,
-            steps_per_reference: (plan.lattice.step_mm / f64::from(table.reference_mm())) as f32,
+            steps_per_reference: (part_mm / f64::from(table.reference_mm())) as f32,
             world_from_voxel: Affine::new(placed.grid.world_from_voxel()),
+        }
+    }
+
+    /// The voxels, if `through_voxels` gives what `forwards` does: trilinear values and no clips of samples; for
+    /// emission and absorption a table, and shading that asks for nothing of earlier samples and leaves the
+    /// opacity as it is.
+    pub fn stored_for(&self, composite: Composite, shading: &Shading) -> Option<&Stored<'p>> {
+        let fits = match composite {
+            Composite::EmissionAbsorption { .. } => {
+                self.classify == Classify::Table && shading.is_of_single_samples()
+            }
+            Composite::FirstHit { .. } => true,
+            _ => false,
+        };
+        let skips = self.skip.as_ref().is_none_or(Skip::has_cubes);
+        self.stored
+            .as_ref()
+            .filter(|_| fits && skips && self.clips.is_empty())
+    }
+
+    /// The value of a stored number.
+    #[inline(always)]
+    pub fn rescaled(&self, stored: F32s<S>) -> F32s<S> {
+        stored * F32s::splat(self.rescale.slope as f32) + F32s::splat(self.rescale.intercept as f32)
+    }
+
+    /// The opacity of a step of one of the reference length.
+    #[inline(always)]
+    pub fn of_step(&self, opacity: F32s<S>) -> F32s<S> {
+        if self.steps_per_reference == 1.0 {
+            opacity
+        } else {
+            self.of_one_step(opacity)
         }
     }
 
@@ -160,11 +241,80 @@ impl<'p, S: Level> Object<'p, S> {
             if !shading.is_unlit() {
                 surface = self.shade(shading, surface, position, to_eye, visible, last_normal);
             }
+            surface.opacity = self.of_step(surface.opacity);
+        }
+        Look { surface, visible }
+    }
+
+    /// The look of a sample whose value and gradient are known from samples beside it, as [`look`](Self::look).
+    #[inline(always)]
+    #[expect(clippy::too_many_arguments, reason = "what a look is made of")]
+    pub fn look_by(
+        &self,
+        shading: &Shading,
+        value: F32s<S>,
+        gradient: Vec3s<S>,
+        position: Vec3s<S>,
+        to_eye: Vec3s<S>,
+        sampled: Mask<S>,
+        last_normal: &mut Vec3s<S>,
+    ) -> Look<S> {
+        let mut surface = self.classify(value, position, sampled);
+        let visible = sampled & F32s::zero().lt(surface.opacity);
+        if visible.any() {
+            if !shading.is_unlit() {
+                let place = Place {
+                    gradient: || gradient,
+                    place_mm: || self.world_from_voxel.point(position),
+                    to_eye,
+                };
+                surface = shading.look(surface, &place, visible, last_normal);
+            }
             if self.steps_per_reference != 1.0 {
                 surface.opacity = self.of_one_step(surface.opacity);
             }
         }
         Look { surface, visible }
+    }
+
+    /// The look of `share` of a segment with these values at its `ends`, as [`look`](Self::look) at its middle.
+    #[inline(always)]
+    #[expect(clippy::too_many_arguments, reason = "what a look is made of")]
+    pub fn look_of_segment(
+        &self,
+        shading: &Shading,
+        integrals: &Integrals,
+        ends: [F32s<S>; 2],
+        share: F32s<S>,
+        position: Vec3s<S>,
+        to_eye: Vec3s<S>,
+        sampled: Mask<S>,
+        last_normal: &mut Vec3s<S>,
+    ) -> Look<S> {
+        let of_length = inlined(
+            #[inline(always)]
+            |opacity: F32s<S>| self.of_steps(opacity, share),
+        );
+        let mut surface = integrals.between(&self.table, ends, of_length, sampled);
+        let visible = sampled & F32s::zero().lt(surface.opacity);
+        if visible.any() {
+            if !shading.is_unlit() {
+                surface = self.shade(shading, surface, position, to_eye, visible, last_normal);
+            }
+            surface.opacity = self.of_steps(surface.opacity, share);
+        }
+        Look { surface, visible }
+    }
+
+    /// The opacity of `steps` steps for that of the reference length.
+    #[inline(always)]
+    pub fn of_steps(&self, opacity: F32s<S>, steps: F32s<S>) -> F32s<S> {
+        let exponent = F32s::splat(self.steps_per_reference) * steps;
+        let one = F32s::splat(1.0);
+        // The reference length itself is not worked out, as for single steps.
+        exponent
+            .eq(one)
+            .select(opacity, opacity_of_lengths(opacity, exponent))
     }
 
     #[inline(never)]

@@ -3,7 +3,7 @@
 //! Only whole lattice points are left out, and only those whose single-precision position falls
 //! into a brick that provably gives nothing: pictures have the same bytes with skipping and without.
 
-use crate::lanes::{F32s, I32s, Vec3s, each, words};
+use crate::lanes::{F32s, I32s, LANES, Vec3s, each, words};
 use crate::levels::Level;
 use crate::library::fetch::Shape;
 use crate::ray::{Line, NEVER};
@@ -31,47 +31,165 @@ enum Knowledge {
     /// bricks shows nothing whose corner it is and that lies ahead. Three bytes more, so that a word can
     /// be read anywhere. Octants that no ray has are 0.
     Cubes(Arc<Vec<u8>>),
-    /// An upper bound of the values, or of the values' negatives: nothing where the ray has seen more.
-    Bounds {
-        /// Of 1³, 4³ and 16³ bricks.
-        blocks: Arc<[Blocks; 3]>,
-        is_negative: bool,
-    },
+    /// Upper bounds of values, for rules that keep the largest or the smallest.
+    Bounds(Bounds),
 }
 
-/// A number for each block of bricks.
-struct Blocks {
-    dims: [usize; 3],
-    largest: Vec<f32>,
+/// The cubes of [`Knowledge::Cubes`] for the directions of a packet.
+pub struct Cubes<'k, S: Level> {
+    cubes: &'k [u8],
+    row: i32,
+    slice: i32,
+    /// Where those of its octant begin.
+    octant: I32s<S>,
 }
 
-impl Blocks {
-    /// The largest numbers of blocks of 4³.
-    fn coarser(&self) -> Blocks {
-        let dims = self.dims.map(|n| n.div_ceil(4));
-        let mut largest = vec![f32::NEG_INFINITY; dims.iter().product()];
-        let [nx, ny, _] = self.dims;
-        for (row, values) in self.largest.chunks_exact(nx).enumerate() {
-            let (y, z) = (row % ny / 4, row / ny / 4);
-            let start = dims[0] * (y + dims[1] * z);
-            for (block, values) in largest[start..].iter_mut().zip(values.chunks(4)) {
-                *block = values.iter().copied().fold(*block, f32::max);
-            }
-        }
-        Blocks { dims, largest }
-    }
-
-    /// The number of the block, with an edge of 2^`shift` cells, that each cell lies in.
+impl<S: Level> Cubes<'_, S> {
+    /// The edge, in bricks, of the cube of nothing that begins with the brick around each cell and lies ahead.
     #[inline(always)]
-    fn at<S: Level>(&self, cell: [I32s<S>; 3], shift: u32) -> F32s<S> {
-        let block = each!(cell, |c| c.shifted_down(shift));
-        let row = I32s::splat(self.dims[0] as i32);
-        let slice = I32s::splat((self.dims[0] * self.dims[1]) as i32);
-        let index = block[0] + block[1] * row + block[2] * slice;
-        // SAFETY: the cell lies in the volume, and so does its block.
-        unsafe { words(bytemuck::cast_slice(&self.largest), index.shifted_up(2)) }.as_bits()
+    pub fn at(&self, cell: [I32s<S>; 3]) -> I32s<S> {
+        let brick = each!(cell, |c| c.shifted_down(Skip::SHIFT));
+        let index = brick[0]
+            + brick[1] * I32s::splat(self.row)
+            + brick[2] * I32s::splat(self.slice)
+            + self.octant;
+        // SAFETY: the cell lies in one of the bricks, and there are three bytes behind the last.
+        unsafe { words(self.cubes, index) }.and(0xFF)
+    }
+
+    /// How many lattice points, that at `position` in `cell` included, lie in a cube of an edge of at least 1.
+    #[inline(always)]
+    pub fn points(
+        &self,
+        cube: I32s<S>,
+        cell: [I32s<S>; 3],
+        position: Vec3s<S>,
+        line: &Line<S>,
+    ) -> F32s<S> {
+        let (half, edge) = (F32s::splat(0.5), F32s::splat(Skip::EDGE as f32));
+        // Half a brick, and the bricks behind it.
+        let reach = (cube.to_f32s() - half) * edge;
+        let middle = each!(cell, |c| {
+            (c.shifted_down(Skip::SHIFT).to_f32s() + half) * edge
+        });
+        points_to_face(line, position, middle, reach)
     }
 }
+
+/// How many lattice points, that at `position` included, lie in a block with this middle, and `reach` from
+/// there to its face.
+#[inline(always)]
+pub fn points_to_face<S: Level>(
+    line: &Line<S>,
+    position: Vec3s<S>,
+    middle: Vec3s<S>,
+    reach: F32s<S>,
+) -> F32s<S> {
+    let mut points = F32s::splat(NEVER);
+    for axis in 0..3 {
+        let face = middle[axis] + reach * line.sign[axis] - line.margin[axis];
+        let steps = (face - position[axis]) * line.inverse_step[axis] + line.stays[axis];
+        points = points.min(steps);
+    }
+    points.max(F32s::zero()).to_i32s().to_f32s() + F32s::splat(1.0)
+}
+
+/// Upper bounds of the values, or of the values' negatives, in all blocks of 2³ bricks.
+#[derive(Clone)]
+pub struct Bounds {
+    /// Number of bricks along each axis.
+    dims: [i32; 3],
+    /// For each brick as the lowest of a block: the upper half of the bound's bits, rounded up, which half
+    /// the cache holds. One number more, so that a word can be read anywhere.
+    largest: Arc<Vec<u16>>,
+    is_negative: bool,
+}
+
+impl Bounds {
+    /// From those of single bricks.
+    fn new(dims: [usize; 3], of_bricks: &[f32], is_negative: bool) -> Bounds {
+        let (row, slice) = (dims[0], dims[0] * dims[1]);
+        let mut largest = vec![0; of_bricks.len() + 1];
+        let blocks = largest[..of_bricks.len()].par_chunks_exact_mut(slice);
+        blocks.enumerate().for_each(|(z, blocks)| {
+            let mut bounds = of_bricks[z * slice..][..slice].to_vec();
+            if let Some(behind) = of_bricks[z * slice..].chunks_exact(slice).nth(1) {
+                larger(&mut bounds, behind);
+            }
+            for y in 0..dims[1] {
+                let (here, behind) = bounds[y * row..].split_at_mut(row);
+                if y + 1 < dims[1] {
+                    larger(here, &behind[..row]);
+                }
+                for x in 0..row {
+                    let next = here[(x + 1).min(row - 1)];
+                    blocks[y * row + x] = rounded_up(here[x].max(next));
+                }
+            }
+        });
+        Bounds {
+            dims: dims.map(|n| n as i32),
+            largest: Arc::new(largest),
+            is_negative,
+        }
+    }
+
+    /// Whether these are bounds of the negatives.
+    pub fn is_negative(&self) -> bool {
+        self.is_negative
+    }
+
+    /// How many lattice points in a row, at least one, lie in at most two bricks along each axis, wherever
+    /// they are.
+    #[inline(always)]
+    pub fn points_of_run<S: Level>(&self, line: &Line<S>) -> f32 {
+        let step = each!(line.step_in_voxel, |step| step.abs());
+        let steps = step[0].max(step[1]).max(step[2]);
+        let longest = (0..LANES).fold(0.0, |longest, lane| steps.lane(lane).max(longest));
+        // From the first to the last less than the edge of a brick: positions are off by an eighth of a
+        // voxel at the most.
+        ((Skip::EDGE as f32 - 0.25) / longest)
+            .min(MOST_POINTS - 1.0)
+            .floor()
+            + 1.0
+    }
+
+    /// Bounds of the values at the lattice points between the two `ends` of such a run.
+    #[inline(always)]
+    pub fn of_run<S: Level>(&self, shape: &Shape, [first, last]: [Vec3s<S>; 2]) -> F32s<S> {
+        // Single-precision positions are monotonous along a ray: the points between lie between.
+        let lowest = [
+            first[0].min(last[0]),
+            first[1].min(last[1]),
+            first[2].min(last[2]),
+        ];
+        let cell = shape.cell(shape.clamp(lowest));
+        let brick = each!(cell, |c| c.shifted_down(Skip::SHIFT));
+        let row = I32s::splat(self.dims[0]);
+        let slice = I32s::splat(self.dims[0] * self.dims[1]);
+        let index = brick[0] + brick[1] * row + brick[2] * slice;
+        // SAFETY: the cell lies in the volume, and so does its brick; there is one number behind the last.
+        let words = unsafe { words(bytemuck::cast_slice(&self.largest), index.shifted_up(1)) };
+        words.shifted_up(16).as_bits()
+    }
+}
+
+/// Each number or `other`, whichever is larger.
+fn larger(numbers: &mut [f32], other: &[f32]) {
+    for (number, other) in numbers.iter_mut().zip(other) {
+        *number = number.max(*other);
+    }
+}
+
+/// The upper half of the bits of the least number that is not below `bound` and has zeros in the lower half.
+fn rounded_up(bound: f32) -> u16 {
+    let bits = bound.to_bits();
+    let up = if bound.is_sign_negative() { 0 } else { 0xFFFF };
+    (bits.saturating_add(up) >> 16) as u16
+}
+
+/// The most points of a run: more would be sampled where few matter.
+const MOST_POINTS: f32 = 16.0;
 
 /// What was found for the Plans drawn last: most have only another camera.
 #[derive(Default)]
@@ -133,16 +251,7 @@ impl Recent {
 impl Found {
     fn new(of: Asked, bricks: &Bricks, plan: &Plan, object: usize) -> Found {
         let bounds = |largest: Vec<f32>, is_negative| {
-            let bricks = Blocks {
-                dims: bricks.dims(),
-                largest,
-            };
-            let fours = bricks.coarser();
-            let sixteens = fours.coarser();
-            Knowledge::Bounds {
-                blocks: Arc::new([bricks, fours, sixteens]),
-                is_negative,
-            }
+            Knowledge::Bounds(Bounds::new(bricks.dims(), &largest, is_negative))
         };
         let mut visible = Vec::new();
         // Words are gathered at 32-bit offsets.
@@ -211,67 +320,48 @@ impl Skip {
         }
     }
 
-    /// How many lattice points, this one at `position` included, show nothing for certain; 0 where
-    /// this one has to be looked at. `seen` is the value that each ray has seen, for rules that keep the
-    /// largest or the smallest.
+    /// Whether what is known are cubes.
+    pub fn has_cubes(&self) -> bool {
+        matches!(self.bricks, Knowledge::Cubes(_))
+    }
+
+    /// The cubes in the directions of `line`, if that is what is known.
     #[inline(always)]
-    pub fn jump<S: Level>(
-        &self,
-        shape: &Shape,
-        line: &Line<S>,
-        position: Vec3s<S>,
-        seen: F32s<S>,
-    ) -> F32s<S> {
-        let cell = shape.cell(shape.clamp(position));
-        let (one, half) = (F32s::splat(1.0), F32s::splat(0.5));
-        let edge = F32s::splat(Self::EDGE as f32);
-        // The middle of a block that shows nothing, and what is from there to its face.
-        let (empty, middle, reach) = match &self.bricks {
-            Knowledge::Nothing => return F32s::zero(),
-            Knowledge::Cubes(cubes) => {
-                let brick = each!(cell, |c| c.shifted_down(Self::SHIFT));
-                let row = I32s::splat(self.dims[0]);
-                let slice = I32s::splat(self.dims[0] * self.dims[1]);
-                let of_octant = line.octant * (slice * I32s::splat(self.dims[2]));
-                let index = brick[0] + brick[1] * row + brick[2] * slice + of_octant;
-                // SAFETY: the cell lies in one of the bricks, and there are three bytes behind the last.
-                let cube = unsafe { words(cubes, index) }.and(0xFF);
-                let empty = I32s::splat(0).lt(cube);
-                if !empty.any() {
-                    return F32s::zero();
-                }
-                // Half a brick, and the bricks behind it.
-                let reach = (cube.to_f32s() - half) * edge;
-                let middle = each!(brick, |brick| (brick.to_f32s() + half) * edge);
-                (empty, middle, reach)
-            }
-            Knowledge::Bounds {
-                blocks,
-                is_negative,
-            } => {
-                let seen = if *is_negative { -seen } else { seen };
-                let empty = blocks[0].at(cell, Self::SHIFT).le(seen);
-                if !empty.any() {
-                    return F32s::zero();
-                }
-                let fours = blocks[1].at(cell, Self::SHIFT + 2).le(seen);
-                let sixteens = blocks[2].at(cell, Self::SHIFT + 4).le(seen);
-                let mask = fours.select_i32s(I32s::splat(!15), I32s::splat(!3));
-                let mask = sixteens.select_i32s(I32s::splat(!63), mask);
-                let reach = fours.select(F32s::splat(8.0), F32s::splat(2.0));
-                let reach = sixteens.select(F32s::splat(32.0), reach);
-                let middle = each!(cell, |c| c.both(mask).to_f32s() + reach);
-                (empty, middle, reach)
-            }
+    pub fn cubes<S: Level>(&self, line: &Line<S>) -> Option<Cubes<'_, S>> {
+        let Knowledge::Cubes(cubes) = &self.bricks else {
+            return None;
         };
-        let mut points = F32s::splat(NEVER);
-        for axis in 0..3 {
-            let face = middle[axis] + reach * line.sign[axis] - line.margin[axis];
-            let steps = (face - position[axis]) * line.inverse_step[axis] + line.stays[axis];
-            points = points.min(steps);
+        let slice = self.dims[0] * self.dims[1];
+        Some(Cubes {
+            cubes,
+            row: self.dims[0],
+            slice,
+            octant: line.octant * I32s::splat(slice * self.dims[2]),
+        })
+    }
+
+    /// What values cannot exceed, for rules that keep the largest or the smallest.
+    pub fn bounds(&self) -> Option<&Bounds> {
+        match &self.bricks {
+            Knowledge::Bounds(bounds) => Some(bounds),
+            _ => None,
         }
-        let points = points.max(F32s::zero()).to_i32s().to_f32s() + one;
-        empty.select(points, F32s::zero())
+    }
+
+    /// How many lattice points, this one at `position` included, show nothing for certain; 0 where
+    /// this one has to be looked at.
+    #[inline(always)]
+    pub fn jump<S: Level>(&self, shape: &Shape, line: &Line<S>, position: Vec3s<S>) -> F32s<S> {
+        let Some(cubes) = self.cubes(line) else {
+            return F32s::zero();
+        };
+        let cell = shape.cell(shape.clamp(position));
+        let cube = cubes.at(cell);
+        let empty = I32s::splat(0).lt(cube);
+        if !empty.any() {
+            return F32s::zero();
+        }
+        empty.select(cubes.points(cube, cell, position, line), F32s::zero())
     }
 }
 
@@ -363,6 +453,29 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
+        #[test]
+        fn bounds_are_those_of_blocks_rounded_up(
+            dims in [1usize..7, 1usize..7, 1usize..7],
+            numbers in proptest::collection::vec(any::<f32>(), 216),
+        ) {
+            let [nx, ny, nz] = dims;
+            let numbers = numbers[..nx * ny * nz].iter().map(|n| if n.is_nan() { 0.0 } else { *n });
+            let numbers: Vec<f32> = numbers.collect();
+            let bounds = Bounds::new(dims, &numbers, false);
+            for (i, &found) in bounds.largest[..numbers.len()].iter().enumerate() {
+                let place = [i % nx, i / nx % ny, i / (nx * ny)];
+                let mut largest = f32::NEG_INFINITY;
+                for corner in 0..8 {
+                    let at = [0, 1, 2].map(|axis| (place[axis] + (corner >> axis & 1)).min(dims[axis] - 1));
+                    largest = largest.max(numbers[at[0] + nx * (at[1] + ny * at[2])]);
+                }
+                let found = f32::from_bits(u32::from(found) << 16);
+                prop_assert!(found >= largest, "{found} for {largest}");
+                let by = 0.01 * largest.abs() + f32::MIN_POSITIVE;
+                prop_assert!(found - by <= largest || found.is_infinite() && largest > 3.3e38);
+            }
+        }
+
         #[test]
         fn cubes_are_the_largest_empty_ones(
             dims in [1usize..9, 1usize..9, 1usize..9],

@@ -1,22 +1,55 @@
 //! Tiles of the picture over all cores.
 
-use crate::lanes::PACKET;
+use crate::lanes::{LANES, PACKET};
 use crate::levels::{Level, vectorized};
-use crate::march::Counts;
+use crate::march::{Counts, OfRuns};
 use crate::ray::RayPacket;
 use crate::scenery::Scenery;
 use crate::{Error, Progress};
 use rayon::prelude::*;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use strahl_scene::plan::Plan;
 
-/// What the pixels of a picture hold before its colours are made linear.
+/// What the pixels of a raster hold before its colours are made linear.
 pub struct Drawn {
     /// Premultiplied, row by row from the top.
     pub pixels: Vec<[f32; 4]>,
     /// Distance of the hit in the first frame, in mm; empty if nobody asked.
     pub depth_mm: Vec<f32>,
     pub counts: Counts,
+}
+
+/// The pixels of a picture that are drawn: every `stride`-th column and row, beginning with `first`.
+#[derive(Clone, Copy, Debug)]
+pub struct Raster {
+    /// Column and row.
+    pub first: [u32; 2],
+    /// In columns and rows, ≥ 1.
+    pub stride: [u32; 2],
+}
+
+impl Raster {
+    /// Every pixel.
+    pub const ALL: Raster = Raster {
+        first: [0, 0],
+        stride: [1, 1],
+    };
+
+    /// Number of columns and rows of these pixels in a picture of `plan`; 0 if it is too small to have any.
+    pub fn size(&self, plan: &Plan) -> [usize; 2] {
+        let number = |pixels: u32, axis: usize| {
+            let behind = pixels.saturating_sub(self.first[axis]);
+            behind.div_ceil(self.stride[axis]) as usize
+        };
+        [number(plan.width, 0), number(plan.height, 1)]
+    }
+
+    /// Number of tiles with this edge.
+    pub fn tiles(&self, plan: &Plan, edge: u32) -> usize {
+        let [width, height] = self.size(plan);
+        width.div_ceil(edge as usize) * height.div_ceil(edge as usize)
+    }
 }
 
 /// A rectangle of the picture that one task draws: its rows, each a part of a row of the picture.
@@ -27,11 +60,23 @@ struct Tile<'i> {
     depth_rows: Vec<&'i mut [f32]>,
 }
 
-/// Draws all tiles in the current thread pool. Each pixel depends on its own ray only, so that
+/// Draws the pixels of `raster` in the current thread pool. Each pixel depends on its own ray only, so that
 /// neither the size of tiles nor their order nor the number of threads can change one.
-pub fn draw<S: Level>(scenery: &Scenery<S>, edge: u32, progress: Progress) -> Result<Drawn, Error> {
+pub fn draw<S: Level>(
+    scenery: &Scenery<S>,
+    raster: Raster,
+    edge: u32,
+    progress: Progress,
+) -> Result<Drawn, Error> {
     let plan = scenery.plan;
-    let (width, height) = (plan.width as usize, plan.height as usize);
+    let [width, height] = raster.size(plan);
+    if width == 0 || height == 0 {
+        return Ok(Drawn {
+            pixels: Vec::new(),
+            depth_mm: Vec::new(),
+            counts: Counts::default(),
+        });
+    }
     let mut pixels = vec![[0.0; 4]; width * height];
     let mut depth_mm = if plan.with_depth {
         vec![f32::INFINITY; width * height]
@@ -44,13 +89,15 @@ pub fn draw<S: Level>(scenery: &Scenery<S>, edge: u32, progress: Progress) -> Re
     let cancelled = AtomicBool::new(false);
     let counts = tiles
         .into_par_iter()
+        // Tiles differ by far in what they cost: whoever is done first must find one that is left.
+        .with_max_len(1)
         .map(|tile| {
             if cancelled.load(Ordering::Relaxed) {
                 return Counts::default();
             }
             let counts = vectorized::<S, _>(
                 #[inline(always)]
-                || draw_tile(scenery, tile),
+                || draw_tile(scenery, raster, tile),
             );
             let drawn = drawn.fetch_add(1, Ordering::Relaxed) + 1;
             if let ControlFlow::Break(()) = progress(drawn, total) {
@@ -102,35 +149,50 @@ fn tiles<'i>(
 }
 
 #[inline(always)]
-fn draw_tile<S: Level>(scenery: &Scenery<S>, mut tile: Tile) -> Counts {
+fn draw_tile<S: Level>(scenery: &Scenery<S>, raster: Raster, mut tile: Tile) -> Counts {
     let mut counts = Counts::default();
     let mut rays = RayPacket::empty(scenery.objects.len());
+    let mut of_runs = OfRuns::none();
     let (width, height) = (tile.rows[0].len() as u32, tile.rows.len() as u32);
     let end = [tile.x + width, tile.y + height];
     let frames = scenery.plan.lattice.frames;
     for y in (0..height).step_by(PACKET[1]) {
         for x in (0..width).step_by(PACKET[0]) {
-            let mut sums = [[0.0f64; 4]; crate::lanes::LANES];
+            let mut sums = [[0.0f64; 4]; LANES];
+            let mut pixels = [[0.0f32; 4]; LANES];
+            let place = [x as usize, y as usize];
             for frame in 0..frames {
-                rays.aim(scenery, [tile.x + x, tile.y + y], end, frame);
-                let seen = scenery.march(&rays, &mut counts);
-                for lane in (0..seen.pixels.len()).filter(|&lane| rays.pixels[lane]) {
-                    let column = x as usize + lane % PACKET[0];
-                    let row = y as usize + lane / PACKET[0];
-                    if frames == 1 {
-                        tile.rows[row][column] = seen.pixels[lane];
-                    } else {
-                        let channels = sums[lane].iter_mut().zip(seen.pixels[lane]);
+                rays.aim(scenery, raster, [tile.x + x, tile.y + y], end, frame);
+                let seen = scenery.march(&rays, &mut of_runs, &mut counts);
+                if frames == 1 {
+                    pixels = seen.pixels;
+                } else {
+                    for (sum, pixel) in sums.iter_mut().zip(seen.pixels) {
+                        let channels = sum.iter_mut().zip(pixel);
                         channels.for_each(|(sum, c)| *sum += f64::from(c));
-                        tile.rows[row][column] =
-                            sums[lane].map(|sum| (sum / f64::from(frame + 1)) as f32);
-                    }
-                    if let (0, Some(depth_row)) = (frame, tile.depth_rows.get_mut(row)) {
-                        depth_row[column] = seen.depth_mm[lane];
                     }
                 }
+                if frame == 0 && !tile.depth_rows.is_empty() {
+                    write(&seen.depth_mm, &mut tile.depth_rows, place);
+                }
             }
+            if frames > 1 {
+                for (pixel, sum) in pixels.iter_mut().zip(sums) {
+                    *pixel = sum.map(|sum| (sum / f64::from(frames)) as f32);
+                }
+            }
+            write(&pixels, &mut tile.rows, place);
         }
     }
     counts
+}
+
+/// Writes the lanes of a packet to the rows of a tile, as far as they lie in it.
+#[inline(always)]
+fn write<T: Copy>(lanes: &[T; LANES], rows: &mut [&mut [T]], [x, y]: [usize; 2]) {
+    for (lanes, row) in lanes.chunks_exact(PACKET[0]).zip(&mut rows[y..]) {
+        let row = &mut row[x..];
+        let columns = row.len().min(PACKET[0]);
+        row[..columns].copy_from_slice(&lanes[..columns]);
+    }
 }

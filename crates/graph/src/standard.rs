@@ -7,17 +7,27 @@
 
 use crate::error::{Error, Problem};
 use crate::model::{Carried, Constant, Graph, Input, Kind, Loop, Node, Reference};
-use strahl_scene::plan::{Composite, Plan, Shade};
+use strahl_scene::plan::{Composite, Plan, Sampling, Shade};
 
 /// The graph that draws `plan`, with its slots as the settings fill them.
 ///
 /// # Errors
 /// Debug views have no graph.
 pub fn standard(plan: &Plan) -> Result<Graph, Error> {
-    let refused = |why: &str| Error::Graph {
+    let refused_at = |place: &str, why: &str| Error::Graph {
         file: "the standard graph".to_owned(),
-        problems: vec![Problem::new("composite", why)],
+        problems: vec![Problem::new(place, why)],
     };
+    let refused = |why: &str| refused_at("composite", why);
+    if plan.sampling != Sampling::Regular {
+        let rule = plan.sampling.name();
+        return Err(refused_at(
+            "sampling",
+            &format!(
+                "a graph takes one sample at every lattice point, and sampling.rule is {rule:?}; draw with --backend cpu and without a graph, or with rule \"regular\""
+            ),
+        ));
+    }
     if let Composite::Debug(_) = plan.composite {
         return Err(refused(
             "debug views are no graph; choose another composite",

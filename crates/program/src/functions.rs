@@ -4,7 +4,7 @@ use glam::DVec3;
 use std::sync::Arc;
 use strahl_scene::plan::{
     Classify, ClipShape, Composite, DebugView, Fetch, GradientInput, GradientMethod, Illuminate,
-    Jitter, Plan, PlanLight, PlanModule, Reconstruct, Shade,
+    Jitter, Plan, PlanLight, PlanModule, Reconstruct, Sampling, Shade,
 };
 use strahl_shader::{Error, Fold, Module, Program, Selection, built_in};
 
@@ -28,12 +28,16 @@ impl Functions {
     /// `mask_threshold` what a threshold of mask number n is in the numbers of its texture.
     ///
     /// # Errors
-    /// None for a Plan that `resolve` made.
+    /// If the Plan samples by another rule than the regular one.
     pub fn of(
         plan: &Plan,
         is_filtered: bool,
         mask_threshold: impl Fn(usize, f32) -> f64,
     ) -> Result<Functions, Error> {
+        if plan.sampling != Sampling::Regular {
+            let rule = plan.sampling.name();
+            return Err(Error::Sampling { rule });
+        }
         let mut functions = Functions {
             selection: Selection::new(),
             values: Vec::new(),

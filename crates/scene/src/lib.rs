@@ -21,6 +21,7 @@ pub mod visibility;
 
 mod camera;
 mod clip;
+mod coarser;
 mod color;
 mod color_map;
 mod function;
@@ -34,6 +35,7 @@ mod parse;
 mod preset;
 mod problem;
 mod resolve;
+mod sampling;
 mod scene;
 mod transfer_function;
 mod window;
@@ -53,6 +55,7 @@ pub use parse::{Error, schema};
 pub use preset::{PresetInfo, presets};
 pub use problem::{Problem, Problems};
 pub use resolve::{FORMAT, MAX_SAMPLES_PER_RAY, resolve, resolve_with, settled, settled_with};
+pub use sampling::{Sampling, SamplingRule};
 pub use scene::{
     Compositing, DebugView, Display, Endian, Gradient, GradientInput, GradientMethod, Jitter,
     LabelSource, Method, Quality, Reconstruct, Scene, Shading, ShadingModel, ToneMap, VolumeSource,

@@ -27,6 +27,8 @@ pub struct Plan {
     pub meshes: Vec<PlanMesh>,
     /// Where along the ray samples lie.
     pub lattice: Lattice,
+    /// Which points of the lattice, or between them, are looked at.
+    pub sampling: Sampling,
     /// What a voxel holds.
     pub fetch: Fetch,
     /// How a value between voxels is found.
@@ -206,6 +208,77 @@ pub enum Jitter {
     WhiteTile(u32),
     /// A tile of 64 × 64 numbers of blue noise with this seed, repeated over the picture.
     BlueTile(u32),
+}
+
+/// Which points of a ray are looked at (`docs/plan.md` says exactly which). All but `Regular` come with
+/// [`Composite::EmissionAbsorption`] and one object only.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Sampling {
+    /// One sample at every lattice point.
+    Regular,
+    /// `parts` samples per step where the transfer function shows something between the values at both ends.
+    Refine {
+        /// 1 to 64.
+        parts: u32,
+    },
+    /// The same with values between those of lattice points, and gradients on the line between both.
+    Split {
+        /// 1 to 64.
+        parts: u32,
+        /// How values go from one lattice point to the next.
+        curve: Curve,
+    },
+    /// What the table shows along the line of values from one lattice point to the next, lit by one gradient;
+    /// [`Classify::Table`].
+    Integrated,
+    /// One sample for several lattice points in a row where the table hardly changes; unlit, [`Classify::Table`].
+    Adaptive {
+        /// By how much a channel of a pixel may differ from the regular picture (in light of which a ray may not end
+        /// early), above 0 to 0.5.
+        error: f32,
+    },
+}
+
+impl Sampling {
+    /// Samples per step where something is shown.
+    pub fn parts(self) -> u32 {
+        match self {
+            Sampling::Regular | Sampling::Integrated | Sampling::Adaptive { .. } => 1,
+            Sampling::Refine { parts } | Sampling::Split { parts, .. } => parts,
+        }
+    }
+
+    /// Whether what lies between two lattice points is shown, not only what lies at them.
+    pub fn is_of_segments(self) -> bool {
+        self.parts() > 1 || self == Sampling::Integrated
+    }
+
+    /// The name that scenes give it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Sampling::Regular => "regular",
+            Sampling::Refine { .. } => "refine",
+            Sampling::Split {
+                curve: Curve::Linear,
+                ..
+            } => "split",
+            Sampling::Split {
+                curve: Curve::Cubic,
+                ..
+            } => "split-cubic",
+            Sampling::Integrated => "integrated",
+            Sampling::Adaptive { .. } => "adaptive",
+        }
+    }
+}
+
+/// How values go from one lattice point to the next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Curve {
+    /// On a line.
+    Linear,
+    /// On J. Lagrange's cubic through two lattice points to either side, cut to between both ends.
+    Cubic,
 }
 
 /// What a voxel holds.

@@ -13,7 +13,7 @@ use crate::window::otsu_threshold;
 use crate::{
     Background, Color, Compositing, DebugView, Gradient, GradientInput, GradientMethod, Headers,
     Jitter, Light, Method, PresetInfo, Problem, Problems, Quality, Reconstruct, Scene, SceneObject,
-    Shading, ShadingModel, function, presets,
+    Shading, ShadingModel, function, presets, sampling,
 };
 use glam::{DAffine3, DMat3, DVec3};
 use strahl_volume::{Grid, VolumeHeader};
@@ -132,6 +132,7 @@ pub fn settled_with(scene: &Scene, headers: &Headers) -> Scene {
         step_voxels: scene
             .step_voxels
             .or(scene.step_mm.is_none().then_some(DEFAULT_STEP_VOXELS)),
+        sampling: Some(scene.sampling.unwrap_or_default().settled()),
         jitter: scene.jitter.or(Some(Jitter::Off)),
         frames: scene.frames.or(Some(1)),
         functions: match (&scene.functions, quality.functions) {
@@ -513,6 +514,7 @@ pub fn resolve_with(scene: &Scene, headers: &Headers) -> Result<Plan, Problems> 
         .map(Grid::min_spacing_mm)
         .fold(f64::INFINITY, f64::min);
     let step_mm = plan_step(&settled, &places.framed.grid, spacing_mm, &mut checker);
+    let sampling = settled.sampling.unwrap_or_default().plan(&mut checker);
     let early = settled
         .early_termination
         .unwrap_or(DEFAULT_EARLY_TERMINATION);
@@ -557,6 +559,7 @@ pub fn resolve_with(scene: &Scene, headers: &Headers) -> Result<Plan, Problems> 
             },
             frames,
         },
+        sampling,
         fetch: Fetch::Stored,
         reconstruct: match settled.reconstruct.unwrap_or(Reconstruct::Trilinear) {
             Reconstruct::Nearest => PlanReconstruct::Nearest,
@@ -609,6 +612,7 @@ fn check_together(plan: &Plan, checker: &mut Checker) {
             "\"value\"",
         );
     }
+    sampling::check_together(plan, checker);
 }
 
 /// Grey over all values: what is shown when nothing is classified.

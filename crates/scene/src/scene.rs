@@ -5,7 +5,7 @@ use crate::plan;
 use crate::problem::{Checker, Number, Within};
 use crate::{
     Background, Camera, Clip, FunctionUse, GraphText, Light, Placement, Problem, Problems,
-    SceneObject, TransferFunction,
+    Sampling, SceneObject, TransferFunction,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -83,6 +83,9 @@ pub struct Scene {
     /// Distance between samples in smallest voxel spacings; default 0.5.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub step_voxels: Option<f64>,
+    /// Which points of a ray are looked at.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sampling: Option<Sampling>,
     /// Where in its step a sample lies.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub jitter: Option<Jitter>,

@@ -63,6 +63,14 @@ pub enum Error {
         /// How many there may be.
         most: usize,
     },
+    /// A rule of sampling that only the processor's own ray loop has.
+    #[error(
+        "the ray loop of shader programs takes one sample at every lattice point, and sampling.rule is {rule:?}; draw with --backend cpu and without a graph, or with rule \"regular\""
+    )]
+    Sampling {
+        /// The rule.
+        rule: &'static str,
+    },
     /// More functions than a slot can hold.
     #[error("the slot {slot} holds one function, not {}: {}", .modules.len(), .modules.join(", "))]
     Crowded {

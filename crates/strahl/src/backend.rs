@@ -1,5 +1,6 @@
 //! Which renderer draws, and what a picture has cost there.
 
+use crate::render::ShowStage;
 use crate::{Error, SceneGraph};
 use std::ops::ControlFlow;
 use strahl_gpu::{Device, adapters};
@@ -63,17 +64,23 @@ pub(crate) struct Drawn {
     pub notes: Vec<String>,
 }
 
-/// Draws `plan`, by `graph` if there is one; `progress` is told the share that is drawn.
+/// Draws `plan`, by `graph` if there is one, in stages if `show` wants them; `progress` is told the share that is
+/// drawn.
 pub(crate) fn draw(
     backend: &Backend,
     data: &Datasets,
     plan: &Plan,
     graph: Option<&SceneGraph>,
     options: &strahl_cpu::Options,
+    show: Option<ShowStage>,
     progress: &(dyn Fn(f64) + Sync),
 ) -> Result<Drawn, Error> {
+    if show.is_some() && (*backend != Backend::Cpu || graph.is_some()) {
+        let message = "pictures in stages are drawn by the processor's renderer only; draw with --backend cpu and without a graph, or without --stages";
+        return Err(Error::Picture(message.to_owned()));
+    }
     match backend {
-        Backend::Cpu => on_cpu(data, plan, graph, options, progress),
+        Backend::Cpu => on_cpu(data, plan, graph, options, show, progress),
         Backend::Gpu { adapter } => on_gpu(adapter.as_deref(), data, plan, graph, progress),
         Backend::Auto => {
             let hardware = adapters().into_iter().find(|a| !a.is_software);
@@ -86,7 +93,7 @@ pub(crate) fn draw(
                     Err(error) => error.to_string(),
                 },
             };
-            let drawn = on_cpu(data, plan, graph, options, progress)?;
+            let drawn = on_cpu(data, plan, graph, options, None, progress)?;
             let why = format!("drawn on the processor: {why}");
             let mut drawn = drawn;
             drawn.notes.insert(0, why);
@@ -101,6 +108,7 @@ fn on_cpu(
     plan: &Plan,
     graph: Option<&SceneGraph>,
     options: &strahl_cpu::Options,
+    show: Option<ShowStage>,
     progress: &(dyn Fn(f64) + Sync),
 ) -> Result<Drawn, Error> {
     let share = |drawn, total| {
@@ -113,14 +121,21 @@ fn on_cpu(
         drawn.notes.push(note.to_owned());
         return Ok(drawn);
     }
-    match strahl_cpu::Renderer::new(data.clone()).render(plan, options, &share) {
+    let renderer = strahl_cpu::Renderer::new(data.clone());
+    let drawn = match show {
+        None => renderer.render(plan, options, &share),
+        Some(show) => renderer.refine(plan, options, &share, &mut |picture, stage| {
+            show(picture, &plan.display, stage)
+        }),
+    };
+    match drawn {
         Ok(drawn) => Ok(Drawn {
             image: drawn.image,
             depth_mm: drawn.depth_mm,
             stats: Stats::Cpu(drawn.stats),
             notes: Vec::new(),
         }),
-        Err(strahl_cpu::Error::NoTwin { function, .. }) => {
+        Err(strahl_cpu::Error::NoTwin { function, .. }) if show.is_none() => {
             let note = format!(
                 "the function {function} has no form for the processor: its program was evaluated there, which is exact but slow; --backend gpu is faster"
             );

@@ -58,7 +58,7 @@ pub use folder::Folder;
 pub use load::{load, load_with_progress};
 pub use output::{Output, abandon_outputs};
 pub use picture::{Encoding, Recipe, SOFTWARE, write_picture};
-pub use render::{Picture, Render, Stage, render_file};
+pub use render::{Picture, Render, ShowStage, Stage, render_file};
 pub use scene_file::{SceneFile, seen_from};
 pub use scene_graph::{ReadyGraph, SceneGraph};
 

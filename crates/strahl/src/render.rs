@@ -5,6 +5,7 @@ use crate::scene_data::SceneData;
 use crate::scene_file::{SceneFile, seen_from};
 use crate::{Encoding, Error, Output, Recipe, SceneGraph, load_with_progress, write_picture};
 use std::borrow::Cow;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use strahl_cpu::Options;
@@ -51,7 +52,12 @@ pub struct Render<'a> {
     with_depth: bool,
     backend: Backend,
     progress: &'a (dyn Fn(Stage, f64) + Sync),
+    show: Option<ShowStage<'a>>,
 }
+
+/// What [`Render::in_stages`] tells of each stage of a picture: `Break` ends it.
+pub type ShowStage<'a> =
+    &'a (dyn Fn(&Image, &plan::Display, strahl_cpu::Stage) -> ControlFlow<()> + Sync);
 
 #[derive(Clone)]
 enum Source<'a> {
@@ -141,6 +147,7 @@ impl<'a> Render<'a> {
             with_depth: false,
             backend: Backend::default(),
             progress: &|_, _| (),
+            show: None,
         }
     }
 
@@ -232,6 +239,14 @@ impl<'a> Render<'a> {
         self
     }
 
+    /// Draws in stages, each of which `show` gets with what a file of it needs: soon a coarse picture, in the end the
+    /// finished one. It has the same bytes as without. Of the processor's renderer only
+    /// ([`strahl_cpu::Renderer::refine`]): others refuse it.
+    pub fn in_stages(mut self, show: ShowStage<'a>) -> Render<'a> {
+        self.show = Some(show);
+        self
+    }
+
     /// Reads and draws.
     ///
     /// # Errors
@@ -255,6 +270,7 @@ impl<'a> Render<'a> {
             &plan,
             graph.as_ref(),
             &self.options,
+            self.show,
             &progress,
         )?;
         let notes = data.notes.into_iter().chain(drawn.notes).collect();

@@ -1,9 +1,13 @@
 //! Slot classify: value → colour and opacity.
 
+mod between;
 mod grey;
+mod integrals;
 mod pre_classified;
 mod table;
 
+pub use between::Between;
+pub use integrals::{Integrals, RecentIntegrals};
 pub use table::Table;
 
 use crate::lanes::{F32s, Mask, Vec3s, length};

@@ -50,10 +50,15 @@ impl<'v, S: Level> SampleClips<'v, S> {
         SampleClips(clips.map(clip).collect())
     }
 
+    /// Whether every sample is kept.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
     /// Where a sample at `position` (voxel space) is kept.
     #[inline(always)]
     pub fn keep(&self, position: Vec3s<S>, asked: Mask<S>) -> Mask<S> {
-        if self.0.is_empty() {
+        if self.is_empty() {
             return asked;
         }
         self.keep_some(position, asked)

@@ -3,7 +3,7 @@
 mod b_spline;
 mod catmull_rom;
 mod nearest;
-mod trilinear;
+pub mod trilinear;
 
 pub use b_spline::weights as b_spline_weights;
 
@@ -76,11 +76,40 @@ impl<F> Reconstruction<F> {
             Reconstruct::Nearest => nearest::stored(&self.fetch, position),
             Reconstruct::Trilinear => trilinear::stored(&self.fetch, position),
             // The fetched numbers are coefficients if the spline shall interpolate.
-            Reconstruct::BSpline | Reconstruct::BSplineInterpolating => {
-                b_spline::stored(&self.fetch, position)
+            Reconstruct::BSpline | Reconstruct::BSplineInterpolating | Reconstruct::CatmullRom => {
+                self.cubic(position)
             }
-            Reconstruct::CatmullRom => catmull_rom::stored(&self.fetch, position),
         }
+    }
+
+    /// Not inlined: 64 fetches wherever there is a value would be most of the program.
+    #[inline(never)]
+    fn cubic<S: Level>(&self, position: Vec3s<S>) -> F32s<S>
+    where
+        F: Fetch<S>,
+    {
+        vectorized::<S, _>(
+            #[inline(always)]
+            || {
+                if self.method == Reconstruct::CatmullRom {
+                    catmull_rom::stored(&self.fetch, position)
+                } else {
+                    b_spline::stored(&self.fetch, position)
+                }
+            },
+        )
+    }
+
+    /// For where it is asked for often.
+    #[inline(never)]
+    fn stored_apart<S: Level>(&self, position: Vec3s<S>) -> F32s<S>
+    where
+        F: Fetch<S>,
+    {
+        vectorized::<S, _>(
+            #[inline(always)]
+            || self.stored(position),
+        )
     }
 
     /// The difference between the stored numbers one voxel ahead and one behind along each axis.
@@ -97,7 +126,7 @@ impl<F> Reconstruction<F> {
                     for by in [1.0, -1.0] {
                         let mut position = position;
                         position[axis] += F32s::splat(by);
-                        *difference += self.stored(position) * F32s::splat(by);
+                        *difference += self.stored_apart(position) * F32s::splat(by);
                     }
                 }
                 difference

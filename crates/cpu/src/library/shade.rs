@@ -39,6 +39,17 @@ impl Shading {
         matches!(self.model, Shade::Unlit)
     }
 
+    /// Whether a sample's shading asks for nothing of earlier ones, and leaves its opacity as it is.
+    pub fn is_of_single_samples(&self) -> bool {
+        match self.model {
+            Shade::Unlit => true,
+            Shade::Lit {
+                keep_last_normal, ..
+            } => !keep_last_normal,
+            Shade::GradientOpacity { .. } => false,
+        }
+    }
+
     /// The look of `surface` towards the eye. `last_normal` is the last normal of each ray that is
     /// `shaded`; 0 if there was none yet.
     #[inline(always)]

@@ -1,5 +1,8 @@
 //! What a caller of the renderer sees beside the picture: progress, cancelling, refusals, statistics.
 
+mod refine;
+mod sampling;
+
 use std::ops::ControlFlow;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};

@@ -181,3 +181,49 @@ fn read_options_name_what_is_wrong() {
         "volume.type is \"complex\"; allowed: u8, i8, u16, i16, u32, i32, f32 or f64"
     );
 }
+
+#[test]
+fn rules_of_sampling_say_what_they_need() {
+    let cases = [
+        (
+            r#"{ "sampling": { "rule": "split", "parts": 65 } }"#,
+            "sampling.parts is 65; allowed: 1 to 64",
+        ),
+        (
+            r#"{ "sampling": { "parts": 4 } }"#,
+            "given for rule \"regular\"",
+        ),
+        (
+            r#"{ "sampling": { "rule": "integrated", "parts": 4 } }"#,
+            "given for rule \"integrated\"",
+        ),
+        (
+            r#"{ "sampling": { "rule": "integrated" }, "functions": { "classify": { "module": "gradient_table" } } }"#,
+            "a transfer function of the value, or rule \"refine\"",
+        ),
+        (
+            r#"{ "sampling": { "rule": "refine", "error": 0.1 } }"#,
+            "it belongs to adaptive",
+        ),
+        (
+            r#"{ "sampling": { "error": 0.6 }, "shading": { "model": "unlit" } }"#,
+            "0 to 0.5",
+        ),
+        (
+            r#"{ "sampling": { "error": 0.1 } }"#,
+            "sampling.rule is \"adaptive\" with shading",
+        ),
+        (
+            r#"{ "sampling": { "rule": "refine" }, "method": "mip" }"#,
+            "method emission-absorption",
+        ),
+        (
+            r#"{ "sampling": { "rule": "split" }, "functions": { "classify": { "module": "gradient_table" } } }"#,
+            "rule \"refine\"",
+        ),
+    ];
+    for (scene, part) in cases {
+        let report = report(&parsed(scene));
+        assert!(report.contains(part), "{scene}: {report}");
+    }
+}

@@ -364,6 +364,11 @@ fn scene(n: Number) -> BoxedStrategy<Scene> {
                     reconstruct,
                     step_mm,
                     step_voxels,
+                    sampling: frames.map(|n| Sampling {
+                        rule: Some(SamplingRule::ALL[n as usize % 5]),
+                        parts: (n % 3 == 0).then_some(n),
+                        error: blend.filter(|_| n % 2 == 0),
+                    }),
                     jitter,
                     early_termination,
                     background,

@@ -201,6 +201,47 @@ fn lights_stand_where_their_angles_say() {
 }
 
 #[test]
+fn rules_of_sampling() {
+    let header = ct_head();
+    let sampling = |text: &str| {
+        plan(
+            &format!(r#"{{ "shading": {{ "model": "unlit" }}, "sampling": {text} }}"#),
+            &header,
+        )
+        .sampling
+    };
+    assert_eq!(plan("{}", &header).sampling, plan::Sampling::Regular);
+    assert_eq!(sampling("{}"), plan::Sampling::Regular);
+    assert_eq!(
+        sampling(r#"{ "rule": "refine" }"#),
+        plan::Sampling::Refine { parts: 8 }
+    );
+    let split = |parts, curve| plan::Sampling::Split { parts, curve };
+    assert_eq!(
+        sampling(r#"{ "rule": "split" }"#),
+        split(10, plan::Curve::Linear)
+    );
+    assert_eq!(
+        sampling(r#"{ "rule": "split-cubic", "parts": 3 }"#),
+        split(3, plan::Curve::Cubic)
+    );
+    assert_eq!(
+        sampling(r#"{ "rule": "integrated" }"#),
+        plan::Sampling::Integrated
+    );
+    assert_eq!(
+        sampling(r#"{ "error": 0.25 }"#),
+        plan::Sampling::Adaptive { error: 0.25 }
+    );
+    assert_eq!(
+        sampling(r#"{ "rule": "adaptive" }"#),
+        plan::Sampling::Adaptive { error: 0.01 }
+    );
+    // What may not differ is the regular picture.
+    assert_eq!(sampling(r#"{ "error": 0 }"#), plan::Sampling::Regular);
+}
+
+#[test]
 fn steps_and_jitter() {
     let header = ct_head();
     assert_eq!(plan("{}", &header).lattice.step_mm, 0.25);

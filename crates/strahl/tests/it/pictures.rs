@@ -7,6 +7,17 @@ fn bytes(folder: &Path, name: &str) -> Vec<u8> {
     fs::read(folder.join(name)).unwrap()
 }
 
+/// Kind of pixels, width and height, and the pixels of a PNG.
+fn decoded(path: &Path) -> (png::ColorType, [u32; 2], Vec<u8>) {
+    let file = fs::File::open(path).unwrap();
+    let mut reader = png::Decoder::new(std::io::BufReader::new(file))
+        .read_info()
+        .unwrap();
+    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+    let info = reader.next_frame(&mut pixels).unwrap();
+    (info.color_type, [info.width, info.height], pixels)
+}
+
 #[test]
 fn a_picture_can_be_made_again_from_itself() {
     let folder = folder_with_shells();
@@ -144,13 +155,44 @@ fn transparent_pictures_have_alpha() {
         "--transparent",
     ];
     run_well(folder.path(), &args);
-    let file = fs::File::open(folder.path().join("a.png")).unwrap();
-    let mut reader = png::Decoder::new(std::io::BufReader::new(file))
-        .read_info()
-        .unwrap();
-    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
-    let info = reader.next_frame(&mut pixels).unwrap();
-    assert_eq!(info.color_type, png::ColorType::Rgba);
+    let (color_type, _, pixels) = decoded(&folder.path().join("a.png"));
+    assert_eq!(color_type, png::ColorType::Rgba);
     assert_eq!(pixels[..4], [0; 4]);
     assert!(pixels.chunks(4).any(|pixel| pixel[3] > 200));
+}
+
+#[test]
+fn stages_end_with_the_picture() {
+    let folder = folder_with_shells();
+    let size = ["--size", "50x34"];
+    let render = |more: &[&str]| {
+        let args = [&["render", "shells.nrrd"], more, &size].concat();
+        run(folder.path(), &args)
+    };
+    let drawn = render(&["-o", "staged.png", "--stages", "stages/of"]);
+    assert_eq!(drawn.code, Some(0), "{}", drawn.err);
+    assert_eq!(render(&["-o", "plain.png"]).code, Some(0));
+    let decoded = |name: &str| decoded(&folder.path().join(name));
+    let plain = decoded("plain.png");
+    assert!(decoded("staged.png") == plain);
+    assert_eq!(
+        names(&folder.path().join("stages/of")),
+        ["stage-1.png", "stage-2.png", "stage-3.png"]
+    );
+    let stages = [1, 2, 3].map(|n| decoded(&format!("stages/of/stage-{n}.png")));
+    assert!(stages[2] == plain);
+    assert!(stages[0] != stages[1] && stages[1] != plain);
+    assert!(stages.iter().all(|stage| stage.1 == [50, 34]));
+
+    let refused = render(&["-o", "no.png", "--stages", "shells.nrrd"]);
+    assert_eq!(refused.code, Some(1));
+    assert!(
+        refused.err.contains("--stages is shells.nrrd"),
+        "{}",
+        refused.err
+    );
+    let refused = render(&["-o", "no.png", "--stages", "s", "--backend", "auto"]);
+    assert_eq!(refused.code, Some(1));
+    assert!(refused.err.contains("--backend cpu"), "{}", refused.err);
+    assert!(!folder.path().join("no.png").exists());
 }

@@ -1,11 +1,13 @@
 use super::Surface;
-use crate::lanes::{F32s, I32s, Mask, rows};
+use crate::lanes::{F32s, I32s, Mask, row_pairs, words};
 use crate::levels::{Level, inlined};
 use strahl_scene::transfer::TransferTable;
 
 /// A one-dimensional transfer function: the same arithmetic as [`TransferTable::at`], per lane.
 pub struct Table<'p> {
     entries: &'p [[f32; 4]],
+    /// Of the entries: what is asked for alone takes a quarter of the memory.
+    opacities: Vec<f32>,
     lo: f32,
     entries_per_value: f32,
 }
@@ -16,25 +18,31 @@ impl<'p> Table<'p> {
         let [lo, hi] = table.domain();
         Table {
             entries: table.entries(),
+            opacities: table.entries().iter().map(|entry| entry[3]).collect(),
             lo,
             entries_per_value: (table.entries().len() - 1) as f32 / (hi - lo),
         }
     }
 
-    /// Colour and opacity of `value`; transparent black where it is NaN.
+    /// The last entry at or below `value`, and the part of the way to the next one.
     #[inline(always)]
-    pub fn at<S: Level>(&self, value: F32s<S>) -> Surface<S> {
+    fn place<S: Level>(&self, value: F32s<S>) -> (I32s<S>, F32s<S>) {
         let last = (self.entries.len() - 1) as f32;
         let lo = F32s::splat(self.lo);
         let position = ((value - lo) * F32s::splat(self.entries_per_value))
             .max(F32s::zero())
             .min(F32s::splat(last));
         let index = position.to_i32s().min(self.entries.len() as i32 - 2);
-        let part = position - index.to_f32s();
-        let above = index + I32s::splat(1);
+        (index, position - index.to_f32s())
+    }
+
+    /// Colour and opacity of `value`; transparent black where it is NaN.
+    #[inline(always)]
+    pub fn at<S: Level>(&self, value: F32s<S>) -> Surface<S> {
+        let (index, part) = self.place(value);
         // SAFETY: the index is that of the last entry but one at most: `max` and `min` leave no other
         // value, not even for NaN.
-        let (below, above) = unsafe { (rows(self.entries, index), rows(self.entries, above)) };
+        let [below, above] = unsafe { row_pairs(self.entries, index) };
         let is_number: Mask<S> = value.eq(value);
         let channel = inlined(
             #[inline(always)]
@@ -47,6 +55,22 @@ impl<'p> Table<'p> {
             colour: [channel(0), channel(1), channel(2)],
             opacity: channel(3),
         }
+    }
+
+    /// The opacity of `value` alone.
+    #[inline(always)]
+    pub fn opacity_at<S: Level>(&self, value: F32s<S>) -> F32s<S> {
+        let (index, part) = self.place(value);
+        let bytes: &[u8] = bytemuck::cast_slice(&self.opacities);
+        let offset = index.shifted_up(2);
+        // SAFETY: as in `at`.
+        let (below, above) = unsafe {
+            let below = words(bytes, offset).as_bits();
+            (below, words(bytes, offset + I32s::splat(4)).as_bits())
+        };
+        value
+            .eq(value)
+            .select(below.lerp(above, part), F32s::zero())
     }
 }
 
@@ -70,6 +94,8 @@ mod tests {
                 let got = Table::new(&table).at(F32s::<Portable>::splat(value));
                 let got = [got.colour[0], got.colour[1], got.colour[2], got.opacity].map(|c| c.lane(LANES - 1));
                 prop_assert_eq!(got, table.at(value));
+                let opacity = Table::new(&table).opacity_at(F32s::<Portable>::splat(value));
+                prop_assert_eq!(opacity.lane(LANES - 1), got[3]);
             }
         }
     }

@@ -17,8 +17,9 @@ pub fn stored<S: Level, F: Fetch<S>>(fetch: &F, position: Vec3s<S>) -> F32s<S> {
     between(fetch.corners(cell), part)
 }
 
+/// Between corners, at the place `part` of the way along each axis.
 #[inline(always)]
-fn between<S: Level>(corners: Corners<S>, part: Vec3s<S>) -> F32s<S> {
+pub fn between<S: Level>(corners: Corners<S>, part: Vec3s<S>) -> F32s<S> {
     let row = inlined(
         #[inline(always)]
         |[lower, upper]: [F32s<S>; 2]| lower.lerp(upper, part[0]),

@@ -308,6 +308,11 @@ pub struct PictureFlags {
     #[arg(long)]
     pub depth: bool,
 
+    /// Also write the stages of the picture into this folder, as stage-1.png and so on: soon a coarse one, in the end
+    /// the picture (on the processor only)
+    #[arg(long, value_name = "FOLDER")]
+    pub stages: Option<PathBuf>,
+
     /// Threads that draw; without, one per core. The picture is the same
     #[arg(long, value_name = "N")]
     pub threads: Option<usize>,

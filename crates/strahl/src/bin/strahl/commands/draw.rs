@@ -4,13 +4,16 @@ use crate::args;
 use crate::flags::{DemoFlags, DrawFlags, PictureFlags, ReadFlags, RenderFlags, StatsFormat};
 use crate::print;
 use crate::progress::{Progress, Stages};
-use anyhow::{Result, bail};
+use anyhow::{Result, anyhow, bail};
 use serde_json::{Value, json};
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 use strahl::scene::VolumeSource;
+use strahl::scene::plan::Display;
 use strahl::volume::Phantom;
-use strahl::{Encoding, Output, Picture, Render, Scene, SceneFile, Stats};
+use strahl::{Encoding, Image, Output, Picture, Render, Scene, SceneFile, Stats, cpu};
 
 pub fn render(flags: &RenderFlags, quiet: bool) -> Result<()> {
     let subject = subject(&flags.inputs, &flags.read, quiet)?;
@@ -93,12 +96,41 @@ fn draw(
     let output = Output::create(path)?;
     let stages = Stages::new(quiet);
     let progress = |stage, part| stages.update(stage, part);
+    let folder = file.stages.clone();
+    if let Some(folder) = &folder {
+        std::fs::create_dir_all(folder).map_err(|why| {
+            anyhow!(
+                "--stages is {}, which is no folder and cannot be made one: {why}",
+                folder.display()
+            )
+        })?;
+    }
+    let failed = Mutex::new(None);
+    let show = |picture: &Image, display: &Display, stage: cpu::Stage| {
+        let name = format!("stage-{}.png", stage.number);
+        let path = folder.iter().map(|folder| folder.join(&name)).next();
+        let written = path.map_or(Ok(()), |path| write_stage(picture, display, &path));
+        match written {
+            Ok(()) => ControlFlow::Continue(()),
+            Err(error) => {
+                *failed.lock().unwrap_or_else(PoisonError::into_inner) = Some(error);
+                ControlFlow::Break(())
+            }
+        }
+    };
+    if folder.is_some() {
+        subject = subject.in_stages(&show);
+    }
     let picture = subject
         .threads(file.threads.unwrap_or(0))
         .backend(args::backend(file)?)
         .progress(&progress)
-        .picture()?;
+        .picture();
     drop(stages);
+    if let Some(error) = failed.lock().unwrap_or_else(PoisonError::into_inner).take() {
+        return Err(error.into());
+    }
+    let picture = picture?;
     let write_start = Instant::now();
     let writing = Progress::new("writing", quiet);
     picture.write(encoding, output)?;
@@ -118,6 +150,14 @@ fn draw(
         print::out(&(serde_json::to_string_pretty(&stats)? + "\n"))?;
     }
     Ok(())
+}
+
+/// Writes the picture of a stage, which has no recipe: no scene gives it alone.
+fn write_stage(picture: &Image, display: &Display, path: &Path) -> Result<(), strahl::Error> {
+    let mut output = Output::create(path)?;
+    let encoding = Encoding::Png8;
+    strahl::write_picture(picture, None, display, encoding, None, &mut output)?;
+    output.finish()
 }
 
 /// `subject` with what was typed put over its scene.

@@ -1,0 +1,156 @@
+//! Projections: the largest or the smallest value of every ray, where it is likely first.
+//!
+//! A lattice is cut into runs of a few points, and one look-up says for a whole run what its values
+//! cannot exceed. Each ray samples the most promising run first; hardly any other run can hold more than
+//! what it has found there.
+
+use super::Packet;
+use crate::lanes::{F32s, Mask};
+use crate::levels::{Level, vectorized};
+use crate::ray::Line;
+use crate::scenery::Object;
+use crate::skip::Bounds;
+
+/// Runs that are looked at together.
+const RUNS: usize = 128;
+
+/// Bounds of runs: memory that packets use one after the other, as clearing it takes a while.
+pub struct OfRuns<S: Level> {
+    bounds: [F32s<S>; RUNS],
+    /// The first lattice points.
+    starts: [f32; RUNS],
+}
+
+impl<S: Level> OfRuns<S> {
+    /// Of no run.
+    #[inline(always)]
+    pub fn none() -> OfRuns<S> {
+        OfRuns {
+            bounds: [F32s::zero(); RUNS],
+            starts: [0.0; RUNS],
+        }
+    }
+}
+
+impl<S: Level> Packet<'_, S> {
+    /// Through one volume, with bounds for its values.
+    #[inline(never)]
+    pub(super) fn project(&mut self, object: &Object<S>, bounds: &Bounds, of_runs: &mut OfRuns<S>) {
+        vectorized::<S, _>(
+            #[inline(always)]
+            || self.project_here(object, bounds, of_runs),
+        );
+    }
+
+    #[inline(always)]
+    fn project_here(&mut self, object: &Object<S>, bounds: &Bounds, of_runs: &mut OfRuns<S>) {
+        let (rays, line) = (self.rays, &self.rays.lines[0]);
+        let shape = object.values.shape();
+        let one = F32s::splat(1.0);
+        let nothing = F32s::splat(f32::NEG_INFINITY);
+        let points = bounds.points_of_run(line);
+        let last = rays.count - one;
+        // The largest value so far; of a minimum the negatives are kept.
+        self.state.value = nothing;
+        self.skipped = rays.count;
+        let mut from = 0.0;
+        while F32s::splat(from).lt(rays.count).any() {
+            let (mut best, mut best_run) = (nothing, F32s::zero());
+            let mut others = 0;
+            while others < RUNS {
+                let k = F32s::splat(from);
+                let live = k.lt(rays.count);
+                if !live.any() {
+                    break;
+                }
+                let (start, end) = (k.min(last), (k + F32s::splat(points - 1.0)).min(last));
+                let ends = [
+                    line.position(start + rays.jitter),
+                    line.position(end + rays.jitter),
+                ];
+                let bound = live.select(bounds.of_run(shape, ends), nothing);
+                let better = best.lt(bound);
+                best = better.select(bound, best);
+                best_run = better.select(k, best_run);
+                of_runs.bounds[others] = bound;
+                of_runs.starts[others] = from;
+                others += 1;
+                from += points;
+            }
+            loop {
+                let waiting = self.may_change(best, best_run);
+                if !waiting.any() {
+                    break;
+                }
+                self.sample_run(object, line, bounds, best_run, points, waiting);
+                let sampled = best_run;
+                best = nothing;
+                let mut left = 0;
+                for run in 0..others {
+                    let start = of_runs.starts[run];
+                    let k = F32s::splat(start);
+                    let bound = k.eq(sampled).select(nothing, of_runs.bounds[run]);
+                    let better = best.lt(bound);
+                    best = better.select(bound, best);
+                    best_run = better.select(k, best_run);
+                    // Runs that no ray needs any more are not looked at again.
+                    of_runs.bounds[left] = bound;
+                    of_runs.starts[left] = start;
+                    left += usize::from(self.may_change(bound, k).any());
+                }
+                others = left;
+            }
+        }
+        if bounds.is_negative() {
+            self.state.value = -self.state.value;
+        }
+    }
+
+    /// Where a run from `k` on, of values up to `bound`, can change what is known of a ray: the largest
+    /// value, and where it is first.
+    #[inline(always)]
+    fn may_change(&self, bound: F32s<S>, k: F32s<S>) -> Mask<S> {
+        let state = &self.state;
+        let earlier = (k + self.rays.jitter).lt(state.place);
+        state.value.lt(bound) | (bound.eq(state.value) & earlier)
+    }
+
+    #[inline(always)]
+    fn sample_run(
+        &mut self,
+        object: &Object<S>,
+        line: &Line<S>,
+        bounds: &Bounds,
+        mut k: F32s<S>,
+        points: f32,
+        asked: Mask<S>,
+    ) {
+        let rays = self.rays;
+        let one = F32s::splat(1.0);
+        let end = (k + F32s::splat(points)).min(rays.count);
+        loop {
+            let live = asked & k.lt(end);
+            if !live.any() {
+                return;
+            }
+            self.skipped = live.select(self.skipped - one, self.skipped);
+            let place = k + rays.jitter;
+            let position = line.position(place);
+            let sampled = object.clips.keep(position, live);
+            if sampled.any() {
+                let value = object.values.at(position);
+                self.sampled += sampled.select(one, F32s::zero());
+                let sampled = sampled & value.is_finite();
+                let value = if bounds.is_negative() { -value } else { value };
+                let state = &mut self.state;
+                let earlier = value.eq(state.value) & place.lt(state.place);
+                let better = sampled & (state.value.lt(value) | earlier);
+                state.value = better.select(value, state.value);
+                state.place = better.select(place, state.place);
+                state.number = sampled.select(one, state.number);
+                self.visible += sampled.select(one, F32s::zero());
+            }
+            k += one;
+        }
+    }
+}

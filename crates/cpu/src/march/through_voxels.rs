@@ -1,0 +1,317 @@
+//! The ray loop of most pictures: emission and absorption through a table, or the first hit, in one volume of
+//! trilinear values. It gives the bytes of [`Packet::forwards`], which does the same with any functions.
+//!
+//! What it does otherwise: it is compiled for each type of sample, so that position and cell serve the
+//! bricks and the voxels; the brick of the next lattice point is asked for before this one is sampled, so
+//! that the answer need not be waited for; and lit samples are collected until every lane has one (the
+//! opacity, which decides what later samples count for, needs no light).
+
+use super::Packet;
+use crate::lanes::{F32s, I32s, LANES, Mask, Vec3s, each, lanes, rows, to_rows};
+use crate::levels::{Level, vectorized};
+use crate::library::classify::Surface;
+use crate::library::composite::emission_absorption;
+use crate::library::fetch::{Fetch, Linear, Shape};
+use crate::library::reconstruct::trilinear;
+use crate::scenery::{Object, Stored};
+use strahl_scene::plan::Composite;
+use strahl_volume::Sample;
+
+/// Lattice points at which the rays are, with what bricks and voxels both need of them.
+#[derive(Clone, Copy)]
+struct Points<S: Level> {
+    position: Vec3s<S>,
+    clamped: Vec3s<S>,
+    cell: [I32s<S>; 3],
+}
+
+impl<S: Level> Points<S> {
+    #[inline(always)]
+    fn at(shape: &Shape, position: Vec3s<S>) -> Points<S> {
+        let clamped = shape.clamp(position);
+        Points {
+            position,
+            clamped,
+            cell: shape.cell(clamped),
+        }
+    }
+}
+
+impl<S: Level> Packet<'_, S> {
+    /// Front to back through the voxels `stored` of `object`, for which [`Object::stored_for`] gave them.
+    #[inline(always)]
+    pub(super) fn through_voxels(&mut self, object: &Object<S>, stored: &Stored) -> F32s<S> {
+        match stored {
+            Stored::U8(voxels) => self.through(object, voxels),
+            Stored::U16(voxels) => self.through(object, voxels),
+            Stored::I16(voxels) => self.through(object, voxels),
+            Stored::F32(voxels) => self.through(object, voxels),
+        }
+    }
+
+    #[inline(always)]
+    fn through<T: Sample>(&mut self, object: &Object<S>, voxels: &Linear<T>) -> F32s<S> {
+        if let Composite::FirstHit { threshold } = self.scenery.plan.composite {
+            self.until_hit(object, voxels, threshold as f32)
+        } else if self.scenery.shading.is_unlit() {
+            self.unlit(object, voxels)
+        } else {
+            self.lit(object, voxels)
+        }
+    }
+
+    #[inline(never)]
+    fn until_hit<T: Sample>(
+        &mut self,
+        object: &Object<S>,
+        voxels: &Linear<T>,
+        threshold: f32,
+    ) -> F32s<S> {
+        vectorized::<S, _>(
+            #[inline(always)]
+            || {
+                let threshold = F32s::splat(threshold);
+                let walked = self.walk(
+                    object,
+                    voxels,
+                    #[inline(always)]
+                    |packet, _, k, value, sampled| packet.meet(threshold, k, value, sampled),
+                );
+                self.hit(object, threshold);
+                walked
+            },
+        )
+    }
+
+    #[inline(never)]
+    fn unlit<T: Sample>(&mut self, object: &Object<S>, voxels: &Linear<T>) -> F32s<S> {
+        vectorized::<S, _>(
+            #[inline(always)]
+            || {
+                self.walk(
+                    object,
+                    voxels,
+                    #[inline(always)]
+                    |packet, _, _, value, sampled| {
+                        let mut surface = object.table.at(value);
+                        let visible = sampled & F32s::zero().lt(surface.opacity);
+                        surface.opacity = object.of_step(surface.opacity);
+                        let Surface { colour, opacity } = surface;
+                        emission_absorption::add(&mut packet.state, visible, colour, opacity);
+                        visible
+                    },
+                )
+            },
+        )
+    }
+
+    #[inline(never)]
+    fn lit<T: Sample>(&mut self, object: &Object<S>, voxels: &Linear<T>) -> F32s<S> {
+        vectorized::<S, _>(
+            #[inline(always)]
+            || {
+                let mut waiting = Waiting::new(self.to_eye);
+                let walked = self.walk(
+                    object,
+                    voxels,
+                    #[inline(always)]
+                    |packet, position, _, value, sampled| {
+                        let opacity = object.table.opacity_at(value);
+                        let visible = sampled & F32s::zero().lt(opacity);
+                        let opacity = object.of_step(opacity);
+                        let share = (F32s::splat(1.0) - packet.state.alpha) * opacity;
+                        let share = visible.select(share, F32s::zero());
+                        packet.state.alpha += share;
+                        waiting.push(position, value, share, visible);
+                        if waiting.number >= LANES {
+                            packet.light(object, &mut waiting);
+                        }
+                        visible
+                    },
+                );
+                if waiting.number > 0 {
+                    self.light(object, &mut waiting);
+                }
+                let channel = |c: usize| F32s::from_array(lanes(|lane| waiting.sums[lane][c]));
+                self.state.colour = each!([0, 1, 2], |c| channel(c));
+                walked
+            },
+        )
+    }
+
+    /// From lattice point to lattice point, leaving out what shows nothing; `see` adds the samples at a position
+    /// and lattice point to the rays that are sampled, and says which of them they showed something for.
+    #[inline(always)]
+    fn walk<T: Sample>(
+        &mut self,
+        object: &Object<S>,
+        voxels: &Linear<T>,
+        mut see: impl FnMut(&mut Self, Vec3s<S>, F32s<S>, F32s<S>, Mask<S>) -> Mask<S>,
+    ) -> F32s<S> {
+        let (rays, line) = (self.rays, &self.rays.lines[0]);
+        let one = F32s::splat(1.0);
+        let shape = <Linear<T> as Fetch<S>>::shape(voxels);
+        let cubes = object.skip.as_ref().and_then(|skip| skip.cubes(line));
+        let mut k = F32s::zero();
+        let mut live = k.lt(rays.count);
+        if !live.any() {
+            return k;
+        }
+        let mut here = Points::at(shape, line.position(k + rays.jitter));
+        let mut cube = cubes.as_ref().map(|cubes| cubes.at(here.cell));
+        loop {
+            let mut next = live.select(k + one, k);
+            let mut seeing = live;
+            if let (Some(cubes), Some(cube)) = (&cubes, &mut cube) {
+                let empty = live & I32s::splat(0).lt(*cube);
+                if empty.any() {
+                    let jump = cubes.points(*cube, here.cell, here.position, line);
+                    let jumped = empty.select((k + jump).min(rays.count), k);
+                    self.skipped += jumped - k;
+                    if 2 * empty.count() > live.count() {
+                        // The others wait, so that sampling happens for as many rays as possible.
+                        k = jumped;
+                        live = live & k.lt(rays.count);
+                        if !live.any() {
+                            break;
+                        }
+                        here = Points::at(shape, line.position(k + rays.jitter));
+                        *cube = cubes.at(here.cell);
+                        continue;
+                    }
+                    next = empty.select(jumped, next);
+                    seeing = live & !empty;
+                }
+            }
+            let there = Points::at(shape, line.position(next + rays.jitter));
+            let next_cube = cubes.as_ref().map(|cubes| cubes.at(there.cell));
+            let part = [
+                here.clamped[0] - here.cell[0].to_f32s(),
+                here.clamped[1] - here.cell[1].to_f32s(),
+                here.clamped[2] - here.cell[2].to_f32s(),
+            ];
+            let value = object.rescaled(trilinear::between(voxels.corners(here.cell), part));
+            self.sampled += seeing.select(one, F32s::zero());
+            // What is not finite is no value.
+            let sampled = seeing & value.is_finite();
+            let visible = see(self, here.position, k, value, sampled);
+            self.visible += visible.select(one, F32s::zero());
+            (k, here, cube) = (next, there, next_cube);
+            live = live & k.lt(rays.count) & !self.done();
+            if !live.any() {
+                break;
+            }
+        }
+        k
+    }
+
+    /// Lights as many samples as there are lanes, or all that wait, and adds them to their rays.
+    #[inline(never)]
+    fn light(&self, object: &Object<S>, waiting: &mut Waiting) {
+        vectorized::<S, _>(
+            #[inline(always)]
+            || {
+                let number = waiting.number.min(LANES);
+                let lane_numbers = F32s::from_array(lanes(|i| i as f32));
+                let asked = lane_numbers.lt(F32s::splat(number as f32));
+                let [x, y, z, value, share, ray] = waiting.first();
+                // What lies behind the last one is old, or 0: a place in the volume and a ray all the same.
+                let position = [x, y, z];
+                let ray: I32s<S> = ray.to_i32s();
+                // SAFETY: rays are numbers of lanes.
+                let [ex, ey, ez, _] = unsafe { rows(&waiting.to_eye, ray) };
+                let surface = object.table.at(value);
+                let mut unkept = [F32s::zero(); 3];
+                let surface = object.shade(
+                    &self.scenery.shading,
+                    surface,
+                    position,
+                    [ex, ey, ez],
+                    asked,
+                    &mut unkept,
+                );
+                let [r, g, b] = each!(surface.colour, |c| share * c);
+                let seen = to_rows([r, g, b, F32s::zero()]);
+                let rays = ray.to_array();
+                for (seen, ray) in seen.iter().zip(rays).take(number) {
+                    let sum = &mut waiting.sums[ray as usize];
+                    for (sum, seen) in sum.iter_mut().zip(seen) {
+                        *sum += seen;
+                    }
+                }
+                waiting.drop_first(number);
+            },
+        );
+    }
+}
+
+/// Samples that are to be lit, in the order of each ray.
+struct Waiting {
+    number: usize,
+    /// Position (voxel space), value, share of the pixel, ray.
+    samples: [[f32; Waiting::MOST]; 6],
+    to_eye: [[f32; 4]; LANES],
+    /// The colour of each ray so far.
+    sums: [[f32; 4]; LANES],
+}
+
+impl Waiting {
+    /// One less than those that are lit at once, those of one step, and what appending writes behind them.
+    const MOST: usize = 3 * LANES;
+
+    #[inline(always)]
+    fn new<S: Level>(to_eye: Vec3s<S>) -> Waiting {
+        let [x, y, z] = to_eye;
+        Waiting {
+            number: 0,
+            samples: [[0.0; Waiting::MOST]; 6],
+            to_eye: to_rows([x, y, z, F32s::zero()]),
+            sums: [[0.0; 4]; LANES],
+        }
+    }
+
+    #[inline(always)]
+    fn push<S: Level>(
+        &mut self,
+        position: Vec3s<S>,
+        value: F32s<S>,
+        share: F32s<S>,
+        visible: Mask<S>,
+    ) {
+        let ray = F32s::from_array(lanes(|i| i as f32));
+        let [x, y, z] = position;
+        let to = &mut self.samples;
+        let at = self.number;
+        let [a, b, c, d, e, f] = to;
+        visible.append(x, a, at);
+        visible.append(y, b, at);
+        visible.append(z, c, at);
+        visible.append(value, d, at);
+        visible.append(share, e, at);
+        visible.append(ray, f, at);
+        self.number += visible.count() as usize;
+    }
+
+    #[inline(always)]
+    fn first<S: Level>(&self) -> [F32s<S>; 6] {
+        let [a, b, c, d, e, f] = &self.samples;
+        [
+            F32s::from_start(a),
+            F32s::from_start(b),
+            F32s::from_start(c),
+            F32s::from_start(d),
+            F32s::from_start(e),
+            F32s::from_start(f),
+        ]
+    }
+
+    #[inline(always)]
+    fn drop_first(&mut self, number: usize) {
+        self.number -= number;
+        if number == LANES {
+            for numbers in &mut self.samples {
+                numbers.copy_within(LANES..2 * LANES, 0);
+            }
+        }
+    }
+}

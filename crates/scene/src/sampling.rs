@@ -1,0 +1,207 @@
+//! Which points of a ray are looked at: every lattice point, more of them, or fewer.
+
+use crate::plan;
+use crate::problem::{Checker, Within};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Which points of a ray are looked at. Everything but `regular` is for method `emission-absorption` and one volume.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Sampling {
+    /// The rule; default `regular`, or `adaptive` where `error` is given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rule: Option<SamplingRule>,
+    /// `refine`, `split` and `split-cubic`: parts of a step, 1 to 64; default 8 for `refine`, else 10.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub parts: Option<u32>,
+    /// `adaptive`: by how much a channel of a pixel (0 to 1, linear light) may differ from the regular picture, 0 to
+    /// 0.5; default 0.01.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub error: Option<f64>,
+}
+
+/// A rule of sampling.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum SamplingRule {
+    /// One sample at every lattice point.
+    Regular,
+    /// Between lattice points whose values the transfer function shows something between: more samples.
+    Refine,
+    /// Between such points: values on the line between both, without looking at the volume again.
+    Split,
+    /// Between such points: values on a cubic through four lattice points.
+    SplitCubic,
+    /// Between such points: the integral of the transfer function over the values on the line between both.
+    Integrated,
+    /// Fewer samples where the transfer function hardly changes.
+    Adaptive,
+}
+
+impl SamplingRule {
+    /// Every rule.
+    pub const ALL: [SamplingRule; 6] = [
+        SamplingRule::Regular,
+        SamplingRule::Refine,
+        SamplingRule::Split,
+        SamplingRule::SplitCubic,
+        SamplingRule::Integrated,
+        SamplingRule::Adaptive,
+    ];
+
+    /// The name used in scenes.
+    pub fn name(self) -> &'static str {
+        match self {
+            SamplingRule::Regular => "regular",
+            SamplingRule::Refine => "refine",
+            SamplingRule::Split => "split",
+            SamplingRule::SplitCubic => "split-cubic",
+            SamplingRule::Integrated => "integrated",
+            SamplingRule::Adaptive => "adaptive",
+        }
+    }
+
+    /// Parts of a step unless a scene says otherwise; `None` where a step is not divided.
+    fn default_parts(self) -> Option<u32> {
+        match self {
+            SamplingRule::Regular | SamplingRule::Integrated | SamplingRule::Adaptive => None,
+            SamplingRule::Refine => Some(8),
+            // More change nothing that can be seen with smooth transfer functions.
+            SamplingRule::Split | SamplingRule::SplitCubic => Some(10),
+        }
+    }
+}
+
+const DEFAULT_ERROR: f64 = 0.01;
+
+impl Sampling {
+    /// With every default filled in.
+    pub(crate) fn settled(self) -> Sampling {
+        let rule = self.rule.unwrap_or(match self.error {
+            Some(_) => SamplingRule::Adaptive,
+            None => SamplingRule::Regular,
+        });
+        Sampling {
+            rule: Some(rule),
+            parts: self.parts.or(rule.default_parts()),
+            error: self
+                .error
+                .or((rule == SamplingRule::Adaptive).then_some(DEFAULT_ERROR)),
+        }
+    }
+
+    /// A settled sampling with every number checked.
+    pub(crate) fn plan(self, checker: &mut Checker) -> plan::Sampling {
+        let rule = self.rule.unwrap_or(SamplingRule::Regular);
+        let parts = self.parts.or(rule.default_parts()).unwrap_or(1);
+        let given_for = format!("given for rule {:?}", rule.name());
+        if self.parts.is_some() && rule.default_parts().is_none() {
+            checker.add(
+                "sampling.parts",
+                &given_for,
+                "nothing: refine, split and split-cubic divide a step",
+            );
+        } else if !(1..=64).contains(&parts) {
+            checker.add("sampling.parts", parts, "1 to 64");
+        }
+        let error = self.error.unwrap_or(DEFAULT_ERROR);
+        if self.error.is_some() && rule != SamplingRule::Adaptive {
+            checker.add(
+                "sampling.error",
+                &given_for,
+                "nothing: it belongs to adaptive",
+            );
+        } else {
+            checker.number("sampling.error", error, Within::Closed(0.0, 0.5));
+        }
+        match rule {
+            SamplingRule::Regular => plan::Sampling::Regular,
+            SamplingRule::Refine => plan::Sampling::Refine { parts },
+            SamplingRule::Split => plan::Sampling::Split {
+                parts,
+                curve: plan::Curve::Linear,
+            },
+            SamplingRule::SplitCubic => plan::Sampling::Split {
+                parts,
+                curve: plan::Curve::Cubic,
+            },
+            SamplingRule::Integrated => plan::Sampling::Integrated,
+            // What must not differ at all is the regular picture.
+            SamplingRule::Adaptive if error as f32 == 0.0 => plan::Sampling::Regular,
+            SamplingRule::Adaptive => plan::Sampling::Adaptive {
+                error: error as f32,
+            },
+        }
+    }
+}
+
+/// What a rule cannot be combined with.
+pub(crate) fn check_together(plan: &plan::Plan, checker: &mut Checker) {
+    use plan::{Classify, Composite, Sampling, Shade};
+    if plan.sampling == Sampling::Regular {
+        return;
+    }
+    let mut refuse = |what: &str, allowed: &str| {
+        let allowed = format!("\"regular\", or {allowed}");
+        let rule = format!("{:?} {what}", plan.sampling.name());
+        checker.add("sampling.rule", rule, &allowed);
+    };
+    if !matches!(plan.composite, Composite::EmissionAbsorption { .. }) {
+        refuse(
+            "with a method that looks at lattice points",
+            "method emission-absorption",
+        );
+    }
+    if plan.objects.len() > 1 {
+        refuse("with several volumes", "one volume");
+    }
+    if !plan.modules.is_empty() {
+        refuse("with functions of your own", "functions of the library");
+    }
+    let by_value = matches!(
+        plan.classify,
+        Classify::Table | Classify::Identity { .. } | Classify::Threshold { .. }
+    );
+    match plan.sampling {
+        Sampling::Regular => {}
+        Sampling::Refine { .. } => {
+            if plan.classify == Classify::PreClassified {
+                refuse(
+                    "with voxels that are classified before they are interpolated",
+                    "classification by the value of the sample",
+                );
+            }
+        }
+        Sampling::Split { .. } => {
+            if !by_value {
+                refuse(
+                    "with a classification that needs more than the value",
+                    "classification by the value, or rule \"refine\"",
+                );
+            }
+        }
+        Sampling::Integrated => {
+            if plan.classify != Classify::Table {
+                refuse(
+                    "with a classification that is no table of values",
+                    "a transfer function of the value, or rule \"refine\"",
+                );
+            }
+        }
+        Sampling::Adaptive { .. } => {
+            if plan.classify != Classify::Table {
+                refuse(
+                    "with a classification that is no table of values",
+                    "a transfer function of the value",
+                );
+            }
+            if plan.shade != Shade::Unlit {
+                refuse(
+                    "with shading: its light changes with the gradient, which nothing bounds",
+                    "shading \"unlit\"",
+                );
+            }
+        }
+    }
+}

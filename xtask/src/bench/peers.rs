@@ -1,0 +1,437 @@
+//! `cargo xtask bench-peers`: frame times and errors beside VTK's ray caster for processors.
+
+use super::pictures::{Difference, Picture};
+use super::{Table, built_example, lines, median, milliseconds, number, numbers, publish};
+use crate::apt;
+use crate::command::succeeds;
+use crate::python::{environment, shared_data, target_folder};
+use anyhow::{Context, Result, bail, ensure};
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+const MODES: [&str; 4] = ["unshaded", "shaded", "mip", "first-hit"];
+
+/// What VTK loads, in Debian and Ubuntu.
+const PACKAGES: [&str; 4] = ["libgl1", "libxrender1", "libegl1", "libosmesa6"];
+
+/// How much finer than the timed step the converged pictures are sampled.
+const CONVERGED: f64 = 16.0;
+
+/// What is to be compared.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Only this case of bench/cases.json.
+    #[arg(long)]
+    case: Option<String>,
+    /// Only this mode.
+    #[arg(long, value_parser = MODES)]
+    mode: Option<String>,
+    /// Pictures of one orbit.
+    #[arg(long, default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..))]
+    frames: u32,
+    /// Numbers of threads.
+    #[arg(long, value_delimiter = ',', default_value = "1,2", value_parser = clap::value_parser!(u32).range(1..))]
+    threads: Vec<u32>,
+    /// How often each renderer has its turn.
+    #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..))]
+    rounds: u32,
+    /// Leaves out the errors against converged pictures.
+    #[arg(long)]
+    no_errors: bool,
+    /// Keeps the tables as docs/performance/peers.md.
+    #[arg(long)]
+    write: bool,
+}
+
+/// Times both in turns and prints tables; whether all was there.
+///
+/// # Errors
+/// A renderer cannot be built, installed or run.
+pub fn run(root: &Path, arguments: &Arguments) -> Result<bool> {
+    let text = std::fs::read_to_string(root.join("bench/cases.json"))?;
+    let spec: Value = serde_json::from_str(&text).context("bench/cases.json")?;
+    let cases = spec["cases"]
+        .as_object()
+        .context("cases.json has no cases")?;
+    if let Some(only) = &arguments.case {
+        let names: Vec<&str> = cases.keys().map(String::as_str).collect();
+        ensure!(
+            cases.contains_key(only),
+            "there is no case {only:?}; there are {}",
+            names.join(", ")
+        );
+    }
+    let data = shared_data(root);
+    let is_asked = |name: &String| arguments.case.as_ref().is_none_or(|only| only == name);
+    let mut names = Vec::new();
+    for (name, case) in cases.iter().filter(|(name, _)| is_asked(name)) {
+        let file = case["file"].as_str().context("a case names no file")?;
+        if data.join(file).is_file() {
+            names.push(name.as_str());
+        } else {
+            println!(
+                "skipped: {name} needs {}; STRAHL_SHARED may name another folder for `shared`",
+                data.join(file).display()
+            );
+        }
+    }
+    if names.is_empty() {
+        return Ok(true);
+    }
+    let peers = Peers {
+        strahl: built_example(root, "time_frames")?,
+        python: python_with_vtk(root)?,
+        script: root.join("bench/vtk_peer.py"),
+        scratch: target_folder(root)?.join("bench"),
+        data,
+    };
+    std::fs::create_dir_all(&peers.scratch)?;
+    let modes: Vec<&str> = MODES
+        .into_iter()
+        .filter(|mode| arguments.mode.as_ref().is_none_or(|only| only == mode))
+        .collect();
+    let mut body = peers.times(arguments, &names, &modes)?;
+    println!("{body}");
+    if !arguments.no_errors {
+        let (errors, finer) = peers.errors(&names, &modes)?;
+        println!("{errors}");
+        body += "\n";
+        body += &errors;
+        if !finer.is_empty() {
+            let equal = peers.times_at_equal_error(arguments, &finer)?;
+            println!("{equal}");
+            body += "\n";
+            body += &equal;
+        }
+    }
+    let title = "The processor beside VTK";
+    publish(root, "peers", title, &body, arguments.write)?;
+    Ok(true)
+}
+
+/// A Python that can draw with VTK.
+fn python_with_vtk(root: &Path) -> Result<PathBuf> {
+    let python = environment(root, "bench-venv", "bench/requirements.txt")?;
+    let draws = || {
+        let text = "import vtk; w = vtk.vtkRenderWindow(); w.SetOffScreenRendering(1); w.SetSize(8, 8); w.Render()";
+        let mut command = Command::new(&python);
+        succeeds(command.args(["-c", text]).stderr(Stdio::null()))
+    };
+    if draws()? {
+        return Ok(python);
+    }
+    println!("VTK cannot draw: libraries of the system are missing");
+    if cfg!(target_os = "linux") && apt::install(&PACKAGES)? && draws()? {
+        return Ok(python);
+    }
+    bail!(
+        "VTK cannot open a window off screen; run `{} -c 'import vtk; vtk.vtkRenderWindow().Render()'` to see why",
+        python.display()
+    )
+}
+
+/// Where Strahl's error at the timed step is above VTK's, and the longest step at which it is not.
+struct Finer<'a> {
+    case: &'a str,
+    mode: &'a str,
+    step: f64,
+    errors: [f64; 2],
+}
+
+/// Steps in voxels that are tried, the longest first.
+const STEPS: [f64; 5] = [0.9, 0.8, 0.7, 0.6, 0.5];
+
+/// Both renderers, ready to run.
+struct Peers {
+    strahl: PathBuf,
+    python: PathBuf,
+    script: PathBuf,
+    scratch: PathBuf,
+    data: PathBuf,
+}
+
+/// Seconds of all rounds.
+#[derive(Default)]
+struct Seconds {
+    frames: Vec<f64>,
+    first: Vec<f64>,
+}
+
+impl Seconds {
+    fn add(&mut self, line: &Value) -> Result<()> {
+        self.frames.extend(numbers(line, "seconds")?);
+        self.first.push(number(line, "first_s")?);
+        Ok(())
+    }
+}
+
+impl Peers {
+    fn vtk(&self, case: &str, mode: &str) -> Command {
+        let mut command = Command::new(&self.python);
+        command.arg(&self.script).arg("--data").arg(&self.data);
+        command.args(["--case", case, "--mode", mode]);
+        command
+    }
+
+    fn strahl(&self, case: &str, mode: &str) -> Command {
+        let mut command = Command::new(&self.strahl);
+        command.args([format!("case={case}"), format!("mode={mode}")]);
+        // The folder of scans was found by the rules that the example has, too.
+        command
+    }
+
+    /// The table of times.
+    fn times(&self, arguments: &Arguments, cases: &[&str], modes: &[&str]) -> Result<String> {
+        let mut table = Table::new(&[
+            "case",
+            "threads",
+            "VTK",
+            "Strahl",
+            "ratio",
+            "VTK, first",
+            "Strahl, first",
+        ]);
+        let mut scaling = Table::new(&["case", "VTK", "Strahl"]);
+        let mut version = String::new();
+        let mut window = Vec::new();
+        for case in cases {
+            for mode in modes {
+                let mut medians = Vec::new();
+                for threads in &arguments.threads {
+                    let (mut vtk, mut strahl) = (Seconds::default(), Seconds::default());
+                    self.in_turns(arguments, case, mode, *threads, 1.0, |line, is_vtk| {
+                        if is_vtk {
+                            version = line["renderer"].as_str().unwrap_or("VTK").to_owned();
+                            window.push(number(line, "window_s")?);
+                            vtk.add(line)
+                        } else {
+                            strahl.add(line)
+                        }
+                    })?;
+                    let (theirs, ours) = (median(&vtk.frames), median(&strahl.frames));
+                    table.row(&[
+                        format!("{case}, {}", title(mode)),
+                        threads.to_string(),
+                        milliseconds(theirs),
+                        milliseconds(ours),
+                        format!("1/{:.1}", theirs / ours),
+                        milliseconds(median(&vtk.first)),
+                        milliseconds(median(&strahl.first)),
+                    ]);
+                    eprintln!("{case}, {mode}, {threads} threads: 1/{:.1}", theirs / ours);
+                    medians.push([theirs, ours]);
+                }
+                if let [one, .., all] = medians[..] {
+                    let times = |who: usize| format!("{:.2} ×", one[who] / all[who]);
+                    scaling.row(&[format!("{case}, {}", title(mode)), times(0), times(1)]);
+                }
+            }
+        }
+        let mut text = format!(
+            "    cargo xtask bench-peers\n\n\
+             Times of frames: medians of {} rounds of {} frames, the renderers in turns. {version} is its \
+             `vtkFixedPointVolumeRayCastMapper`, with the camera, transfer function and step of `bench/cases.json`. \
+             *First* is from the decoded volume to the first picture (medians of the rounds). VTK draws into a window, off screen: a frame \
+             of it takes {} with nothing in it. {}\n\n{}",
+            arguments.rounds,
+            arguments.frames,
+            milliseconds(median(&window)),
+            FIRST_HIT_NOTE,
+            table.text
+        );
+        if let [few, .., most] = arguments.threads[..] {
+            text += &format!(
+                "\nFrom {few} to {most} threads, times as fast:\n\n{}",
+                scaling.text
+            );
+        }
+        Ok(text)
+    }
+
+    /// Runs both in turns, Strahl with a `step`; `add` gets what each has printed, and whether that was VTK.
+    fn in_turns(
+        &self,
+        arguments: &Arguments,
+        case: &str,
+        mode: &str,
+        threads: u32,
+        step: f64,
+        mut add: impl FnMut(&Value, bool) -> Result<()>,
+    ) -> Result<()> {
+        for round in 0..arguments.rounds {
+            // Neither is always the one that finds the machine warm.
+            for turn in [round % 2, 1 - round % 2] {
+                let is_vtk = turn == 0;
+                let mut command;
+                if is_vtk {
+                    let (frames, threads) = (arguments.frames.to_string(), threads.to_string());
+                    command = self.vtk(case, mode);
+                    command.args(["--frames", &frames, "--threads", &threads]);
+                } else {
+                    command = self.strahl(case, mode);
+                    command.arg(format!("frames={}", arguments.frames));
+                    command.args([format!("threads={threads}"), format!("step={step}")]);
+                }
+                add(&only_line(&mut command)?, is_vtk)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The table of times where Strahl takes a shorter step, so that its error is no larger than VTK's.
+    fn times_at_equal_error(&self, arguments: &Arguments, finer: &[Finer]) -> Result<String> {
+        let mut table = Table::new(&[
+            "case",
+            "VTK's error",
+            "Strahl's",
+            "its step",
+            "threads",
+            "VTK",
+            "Strahl",
+            "ratio",
+        ]);
+        let threads = arguments.threads.iter().copied().max().unwrap_or(1);
+        for Finer {
+            case,
+            mode,
+            step,
+            errors,
+        } in finer
+        {
+            let (mut vtk, mut strahl) = (Seconds::default(), Seconds::default());
+            self.in_turns(arguments, case, mode, threads, *step, |line, is_vtk| {
+                if is_vtk {
+                    vtk.add(line)
+                } else {
+                    strahl.add(line)
+                }
+            })?;
+            let (theirs, ours) = (median(&vtk.frames), median(&strahl.frames));
+            table.row(&[
+                format!("{case}, {}", title(mode)),
+                format!("{:.2}", errors[0]),
+                format!("{:.2}", errors[1]),
+                format!("{step} voxel"),
+                threads.to_string(),
+                milliseconds(theirs),
+                milliseconds(ours),
+                format!("1/{:.1}", theirs / ours),
+            ]);
+        }
+        Ok(format!(
+            "Where Strahl's error is the larger one, times again with the longest of the steps 0.9, 0.8 … 0.5 voxel at which it is not; \
+             VTK's step stays one voxel.\n\n{}",
+            table.text
+        ))
+    }
+
+    /// The table of errors: one frame, against the same renderer with a finer step; and where Strahl's is the
+    /// larger one.
+    fn errors<'a>(&self, cases: &[&'a str], modes: &[&'a str]) -> Result<(String, Vec<Finer<'a>>)> {
+        let mut all_finer = Vec::new();
+        let mut table = Table::new(&[
+            "case",
+            "VTK",
+            "Strahl",
+            "Strahl, linear light",
+            "between the converged",
+        ]);
+        for case in cases {
+            for mode in modes {
+                // In colours, an error of a value counts as much as the transfer function is steep there.
+                let drawn = if *mode == "mip" { "mip-values" } else { mode };
+                let vtk = |step: f64| {
+                    let path = self.scratch.join("vtk.raw");
+                    let mut command = self.vtk(case, drawn);
+                    let step = step.to_string();
+                    command.args(["--frames", "1", "--step", &step, "--raw"]);
+                    only_line(command.arg(&path))?;
+                    Picture::from_bytes(&path)
+                };
+                let strahl = |step: f64, compositing: &str| {
+                    let path = self.scratch.join("strahl.raw");
+                    let mut command = self.strahl(case, drawn);
+                    command.args(["frames=1".to_owned(), format!("step={step}")]);
+                    command.arg(format!("compositing={compositing}"));
+                    command.arg(format!("raw={}", path.display()));
+                    only_line(&mut command)?;
+                    Picture::from_linear(&path)
+                };
+                let fine = 1.0 / CONVERGED;
+                let (theirs, ours) = (vtk(fine)?, strahl(fine, "display")?);
+                let linear = strahl(fine, "linear")?;
+                let of_vtk = vtk(1.0)?.difference(&theirs)?;
+                let of_strahl = strahl(1.0, "display")?.difference(&ours)?;
+                if of_strahl.rms > of_vtk.rms {
+                    let mut finer = None;
+                    for step in &STEPS {
+                        let rms = strahl(*step, "display")?.difference(&ours)?.rms;
+                        if rms <= of_vtk.rms {
+                            finer = Some((*step, rms));
+                            break;
+                        }
+                    }
+                    if let Some((step, rms)) = finer {
+                        let errors = [of_vtk.rms, rms];
+                        all_finer.push(Finer {
+                            case,
+                            mode,
+                            step,
+                            errors,
+                        });
+                    }
+                }
+                let row = [
+                    of_vtk,
+                    of_strahl,
+                    strahl(1.0, "linear")?.difference(&linear)?,
+                    theirs.difference(&ours)?,
+                ]
+                .map(|Difference { rms, max }| format!("{rms:.2} / {max}"));
+                let what = if drawn == *mode {
+                    title(mode)
+                } else {
+                    "MIP, values"
+                };
+                let mut cells = vec![format!("{case}, {what}")];
+                cells.extend(row);
+                table.row(&cells);
+            }
+        }
+        let text = format!(
+            "Errors of one frame against the picture that the same renderer makes with 1/{CONVERGED} of the step: root of \
+             the mean square / maximum, in display values from 0 to 255 over all pixels and channels. VTK adds up \
+             numbers of the screen; so does Strahl with `\"compositing\": \"display\"`, in the second column, while the third \
+             shows what its default, linear light, makes on the screen. MIP is compared in values, black to white over 0 to \
+             255. VTK converts opacities to its step and keeps them with 15 bits, so that its fine picture is not exact, and \
+             nor are its normals, of 13 bits, at any step. The last column shows that both draw the same thing.\n\n{}",
+            table.text
+        );
+        Ok((text, all_finer))
+    }
+}
+
+const FIRST_HIT_NOTE: &str = "The mapper has no isosurfaces; its first hit is a stand-in, an \
+    opacity of 1 from the threshold on, shaded, which stops at the first sample beyond the threshold and does not \
+    search for the place between samples, as Strahl does.";
+
+/// A mode as tables call it.
+fn title(mode: &str) -> &str {
+    match mode {
+        "mip" => "MIP",
+        "first-hit" => "first hit",
+        other => other,
+    }
+}
+
+fn only_line(command: &mut Command) -> Result<Value> {
+    let mut lines = lines(command)?;
+    ensure!(
+        lines.len() == 1,
+        "{:?} printed {} lines instead of one",
+        command.get_program(),
+        lines.len()
+    );
+    Ok(lines.remove(0))
+}
