@@ -1,11 +1,12 @@
 //! Cubes of bricks inside which one sample can stand for several lattice points.
 
+use crate::kept::Kept;
 use crate::lanes::{F32s, I32s, Vec3s, each, words};
 use crate::levels::Level;
 use crate::library::fetch::Shape;
 use crate::ray::Line;
-use crate::skip::{Skip, points_to_face};
-use std::sync::{Arc, Mutex, PoisonError};
+use crate::skip::{Skip, brick_number, points_to_face};
+use std::sync::Arc;
 use strahl_scene::plan::{Plan, Reconstruct, Sampling};
 use strahl_scene::transfer::TransferTable;
 use strahl_scene::visibility::even_cubes;
@@ -21,12 +22,11 @@ pub struct EvenCubes {
 }
 
 /// What was found for the Plan drawn last: most have only another camera.
-#[derive(Default)]
-pub struct RecentCubes(Mutex<Option<(Asked, Arc<Vec<u8>>)>>);
+pub type RecentCubes = Kept<Asked, Vec<u8>>;
 
 /// All that the cubes depend on; other Plans have none.
-#[derive(Clone, PartialEq)]
-struct Asked {
+#[derive(PartialEq)]
+pub struct Asked {
     volume: usize,
     sampling: Sampling,
     step_mm: f64,
@@ -60,22 +60,11 @@ impl EvenCubes {
             rescale: placed.rescale,
             table: placed.table.clone(),
         };
-        let known = {
-            let last = recent.0.lock().unwrap_or_else(PoisonError::into_inner);
-            let same = last.as_ref().filter(|(of, _)| *of == asked);
-            same.map(|(_, cubes)| cubes.clone())
-        };
-        let cubes = match known {
-            Some(cubes) => cubes,
-            None => {
-                let mut cubes = even_cubes(plan, object, bricks)?;
-                cubes.extend([0; 3]);
-                let cubes = Arc::new(cubes);
-                let mut last = recent.0.lock().unwrap_or_else(PoisonError::into_inner);
-                *last = Some((asked, cubes.clone()));
-                cubes
-            }
-        };
+        let cubes = recent.find(asked, |_| {
+            let mut cubes = even_cubes(plan, object, bricks)?;
+            cubes.extend([0; 3]);
+            Some(cubes)
+        })?;
         Some(EvenCubes {
             dims: bricks.dims().map(|n| n as i32),
             cubes,
@@ -88,11 +77,7 @@ impl EvenCubes {
     pub fn run<S: Level>(&self, shape: &Shape, line: &Line<S>, position: Vec3s<S>) -> F32s<S> {
         let one = F32s::splat(1.0);
         let cell = shape.cell(shape.clamp(position));
-        let shift = Skip::EDGE.trailing_zeros();
-        let brick = each!(cell, |c| c.shifted_down(shift));
-        let row = I32s::splat(self.dims[0]);
-        let slice = I32s::splat(self.dims[0] * self.dims[1]);
-        let index = brick[0] + brick[1] * row + brick[2] * slice;
+        let index = brick_number(self.dims, cell);
         // SAFETY: the cell lies in one of the bricks, and there are three bytes behind the last.
         let cube = unsafe { words(&self.cubes, index) }.and(0xFF);
         let even = I32s::splat(0).lt(cube);
@@ -100,7 +85,7 @@ impl EvenCubes {
             return one;
         }
         // Cells along the edge: a brick's, doubled for each number above 1.
-        let exponent = cube.max(1) + I32s::splat(126 + shift as i32);
+        let exponent = cube.max(1) + I32s::splat(126 + Skip::SHIFT as i32);
         let edge = exponent.shifted_up(23).as_bits();
         let corner = I32s::splat(0) - edge.to_i32s();
         let reach = edge * F32s::splat(0.5);

@@ -242,6 +242,34 @@ mod x86 {
         }};
     }
 
+    macro_rules! transposed_512 {
+        ($rows:expr) => {
+            transposed!(
+                $rows,
+                _mm512_unpacklo_ps,
+                _mm512_unpackhi_ps,
+                _mm512_unpacklo_pd,
+                _mm512_unpackhi_pd,
+                _mm512_castps_pd,
+                _mm512_castpd_ps
+            )
+        };
+    }
+
+    macro_rules! transposed_256 {
+        ($rows:expr) => {
+            transposed!(
+                $rows,
+                _mm256_unpacklo_ps,
+                _mm256_unpackhi_ps,
+                _mm256_unpacklo_pd,
+                _mm256_unpackhi_pd,
+                _mm256_castps_pd,
+                _mm256_castpd_ps
+            )
+        };
+    }
+
     impl Level for Avx512 {
         const HAS_LOOPS_PER_TYPE: bool = true;
 
@@ -269,15 +297,7 @@ mod x86 {
             let mut rows = [[0.0; 4]; 16];
             // SAFETY: the processor has the instructions, as `self` proves, and 16 rows are four vectors.
             unsafe {
-                let [a, b, c, d] = transposed!(
-                    [a.into(), b.into(), c.into(), d.into()],
-                    _mm512_unpacklo_ps,
-                    _mm512_unpackhi_ps,
-                    _mm512_unpacklo_pd,
-                    _mm512_unpackhi_pd,
-                    _mm512_castps_pd,
-                    _mm512_castpd_ps
-                );
+                let [a, b, c, d] = transposed_512!([a.into(), b.into(), c.into(), d.into()]);
                 // Block q of vector j is the row of lane 4q + j.
                 let even = (
                     _mm512_shuffle_f32x4::<0x88>(a, b),
@@ -323,20 +343,12 @@ mod x86 {
                 let eight = inlined(
                     #[inline(always)]
                     |from: usize| -> [__m512; 4] {
-                        transposed!(
-                            [
-                                pairs(0, from),
-                                pairs(1, from),
-                                pairs(2, from),
-                                pairs(3, from)
-                            ],
-                            _mm512_unpacklo_ps,
-                            _mm512_unpackhi_ps,
-                            _mm512_unpacklo_pd,
-                            _mm512_unpackhi_pd,
-                            _mm512_castps_pd,
-                            _mm512_castpd_ps
-                        )
+                        transposed_512!([
+                            pairs(0, from),
+                            pairs(1, from),
+                            pairs(2, from),
+                            pairs(3, from)
+                        ])
                     },
                 );
                 let (low, high) = (eight(0), eight(8));
@@ -374,15 +386,7 @@ mod x86 {
                         _mm512_insertf32x4::<3>(blocks, row(12 + j))
                     },
                 );
-                let [a, b, c, d] = transposed!(
-                    [blocks(0), blocks(1), blocks(2), blocks(3)],
-                    _mm512_unpacklo_ps,
-                    _mm512_unpackhi_ps,
-                    _mm512_unpacklo_pd,
-                    _mm512_unpackhi_pd,
-                    _mm512_castps_pd,
-                    _mm512_castpd_ps
-                );
+                let [a, b, c, d] = transposed_512!([blocks(0), blocks(1), blocks(2), blocks(3)]);
                 [
                     a.simd_into(self),
                     b.simd_into(self),
@@ -437,15 +441,12 @@ mod x86 {
                 let four = inlined(
                     #[inline(always)]
                     |from: usize| -> [__m256; 4] {
-                        transposed!(
-                            [pair(from), pair(from + 1), pair(from + 2), pair(from + 3)],
-                            _mm256_unpacklo_ps,
-                            _mm256_unpackhi_ps,
-                            _mm256_unpacklo_pd,
-                            _mm256_unpackhi_pd,
-                            _mm256_castps_pd,
-                            _mm256_castpd_ps
-                        )
+                        transposed_256!([
+                            pair(from),
+                            pair(from + 1),
+                            pair(from + 2),
+                            pair(from + 3)
+                        ])
                     },
                 );
                 let (a, b, c, d) = (four(0), four(4), four(8), four(12));
@@ -487,15 +488,8 @@ mod x86 {
                     #[inline(always)]
                     |from: usize| -> [f32x8<Avx2>; 4] {
                         let blocks = |j: usize| _mm256_set_m128(row(from + 4 + j), row(from + j));
-                        let [a, b, c, d] = transposed!(
-                            [blocks(0), blocks(1), blocks(2), blocks(3)],
-                            _mm256_unpacklo_ps,
-                            _mm256_unpackhi_ps,
-                            _mm256_unpacklo_pd,
-                            _mm256_unpackhi_pd,
-                            _mm256_castps_pd,
-                            _mm256_castpd_ps
-                        );
+                        let [a, b, c, d] =
+                            transposed_256!([blocks(0), blocks(1), blocks(2), blocks(3)]);
                         [
                             a.simd_into(self),
                             b.simd_into(self),

@@ -28,6 +28,7 @@
 mod doubles;
 mod elementary;
 mod even;
+mod kept;
 #[cfg(feature = "bench-kernels")]
 #[doc(hidden)]
 pub mod kernels;
@@ -496,12 +497,10 @@ impl<'v> Renderer<'v> {
                 .skip
                 .then(|| Skip::new(&self.recent, bricks, plan, index))
                 .flatten();
-            let placed = &plan.objects[index];
-            let samples = self.data.volumes[placed.volume].samples();
             let is_plain =
                 plan.fetch == Fetch::Stored && plan.reconstruct == Reconstruct::Trilinear;
             let stored = is_plain
-                .then(|| Stored::new(&placed.grid, samples))
+                .then(|| Stored::new(&plan.objects[index].grid, volume.samples()))
                 .flatten();
             // Both need what is beside a voxel to have a value: bricks side by side have one in common then.
             let is_whole = plan.sampling == Sampling::Regular || is_whole(volume, bricks);
@@ -509,7 +508,7 @@ impl<'v> Renderer<'v> {
             let even = is_whole
                 .then(|| EvenCubes::new(&self.recent_cubes, bricks, plan, index))
                 .flatten();
-            let integrals = self.recent_integrals.find(plan, index);
+            let integrals = self.recent_integrals.of_plan(plan, index);
             let source = &*sources[index];
             Object::new(plan, index, source, stored, &masks, skip, even, integrals)
         };

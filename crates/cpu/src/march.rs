@@ -117,17 +117,10 @@ impl<S: Level> Packet<'_, S> {
         let mut live = k.lt(rays.count);
         while live.any() {
             let position = line.position(k + rays.jitter);
-            if let Some(skip) = &object.skip {
-                let jump = skip.jump(object.values.shape(), line, position);
-                let empty = live & F32s::zero().lt(jump);
-                if empty.any() {
-                    // The others wait, so that sampling happens for as many rays as possible.
-                    let next = empty.select((k + jump).min(rays.count), k);
-                    self.skipped += next - k;
-                    k = next;
-                    live = live & k.lt(rays.count);
-                    continue;
-                }
+            if let Some(next) = self.behind_nothing(object, position, k, live) {
+                k = next;
+                live = live & k.lt(rays.count);
+                continue;
             }
             let sampled = object.clips.keep(position, live);
             if sampled.any() {
@@ -144,6 +137,27 @@ impl<S: Level> Packet<'_, S> {
             self.hit(object, F32s::splat(threshold as f32));
         }
         k
+    }
+
+    /// The lattice points behind those that show nothing for certain, for rays of `live` that are at such; `None` if no ray
+    /// is. The others wait, so that sampling happens for as many rays as possible.
+    #[inline(always)]
+    fn behind_nothing(
+        &mut self,
+        object: &Object<S>,
+        position: Vec3s<S>,
+        k: F32s<S>,
+        live: Mask<S>,
+    ) -> Option<F32s<S>> {
+        let skip = object.skip.as_ref()?;
+        let jump = skip.jump(object.values.shape(), &self.rays.lines[0], position);
+        let empty = live & F32s::zero().lt(jump);
+        if !empty.any() {
+            return None;
+        }
+        let next = empty.select((k + jump).min(self.rays.count), k);
+        self.skipped += next - k;
+        Some(next)
     }
 
     /// Front to back through one volume by another rule than a sample at every lattice point.

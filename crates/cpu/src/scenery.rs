@@ -270,9 +270,7 @@ impl<'p, S: Level> Object<'p, S> {
                 };
                 surface = shading.look(surface, &place, visible, last_normal);
             }
-            if self.steps_per_reference != 1.0 {
-                surface.opacity = self.of_one_step(surface.opacity);
-            }
+            surface.opacity = self.of_step(surface.opacity);
         }
         Look { surface, visible }
     }

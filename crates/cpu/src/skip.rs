@@ -38,8 +38,8 @@ enum Knowledge {
 /// The cubes of [`Knowledge::Cubes`] for the directions of a packet.
 pub struct Cubes<'k, S: Level> {
     cubes: &'k [u8],
-    row: i32,
-    slice: i32,
+    /// Number of bricks along each axis.
+    dims: [i32; 3],
     /// Where those of its octant begin.
     octant: I32s<S>,
 }
@@ -48,11 +48,7 @@ impl<S: Level> Cubes<'_, S> {
     /// The edge, in bricks, of the cube of nothing that begins with the brick around each cell and lies ahead.
     #[inline(always)]
     pub fn at(&self, cell: [I32s<S>; 3]) -> I32s<S> {
-        let brick = each!(cell, |c| c.shifted_down(Skip::SHIFT));
-        let index = brick[0]
-            + brick[1] * I32s::splat(self.row)
-            + brick[2] * I32s::splat(self.slice)
-            + self.octant;
+        let index = brick_number(self.dims, cell) + self.octant;
         // SAFETY: the cell lies in one of the bricks, and there are three bytes behind the last.
         unsafe { words(self.cubes, index) }.and(0xFF)
     }
@@ -74,6 +70,14 @@ impl<S: Level> Cubes<'_, S> {
         });
         points_to_face(line, position, middle, reach)
     }
+}
+
+/// The number of the brick that each cell lies in, of `dims` bricks along the axes.
+#[inline(always)]
+pub fn brick_number<S: Level>(dims: [i32; 3], cell: [I32s<S>; 3]) -> I32s<S> {
+    let brick = each!(cell, |c| c.shifted_down(Skip::SHIFT));
+    let slice = dims[0] * dims[1];
+    brick[0] + brick[1] * I32s::splat(dims[0]) + brick[2] * I32s::splat(slice)
 }
 
 /// How many lattice points, that at `position` included, lie in a block with this middle, and `reach` from
@@ -164,10 +168,7 @@ impl Bounds {
             first[2].min(last[2]),
         ];
         let cell = shape.cell(shape.clamp(lowest));
-        let brick = each!(cell, |c| c.shifted_down(Skip::SHIFT));
-        let row = I32s::splat(self.dims[0]);
-        let slice = I32s::splat(self.dims[0] * self.dims[1]);
-        let index = brick[0] + brick[1] * row + brick[2] * slice;
+        let index = brick_number(self.dims, cell);
         // SAFETY: the cell lies in the volume, and so does its brick; there is one number behind the last.
         let words = unsafe { words(bytemuck::cast_slice(&self.largest), index.shifted_up(1)) };
         words.shifted_up(16).as_bits()
@@ -302,7 +303,8 @@ impl Skip {
     /// bricks of 4 as in those of 8, for 12.5 % of the memory of a `u8` volume.
     pub const EDGE: usize = 4;
 
-    const SHIFT: u32 = Self::EDGE.trailing_zeros();
+    /// Of a cell's number, to that of its brick.
+    pub const SHIFT: u32 = Self::EDGE.trailing_zeros();
 
     /// What can be left out of object number `object`; `None` if the rule needs, or its loop visits, every
     /// sample.
@@ -331,12 +333,11 @@ impl Skip {
         let Knowledge::Cubes(cubes) = &self.bricks else {
             return None;
         };
-        let slice = self.dims[0] * self.dims[1];
+        let number = self.dims[0] * self.dims[1] * self.dims[2];
         Some(Cubes {
             cubes,
-            row: self.dims[0],
-            slice,
-            octant: line.octant * I32s::splat(slice * self.dims[2]),
+            dims: self.dims,
+            octant: line.octant * I32s::splat(number),
         })
     }
 

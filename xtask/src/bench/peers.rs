@@ -199,16 +199,12 @@ impl Peers {
             for mode in modes {
                 let mut medians = Vec::new();
                 for threads in &arguments.threads {
-                    let (mut vtk, mut strahl) = (Seconds::default(), Seconds::default());
-                    self.in_turns(arguments, case, mode, *threads, 1.0, |line, is_vtk| {
-                        if is_vtk {
+                    let [vtk, strahl] =
+                        self.in_turns(arguments, case, mode, *threads, 1.0, |line| {
                             version = line["renderer"].as_str().unwrap_or("VTK").to_owned();
                             window.push(number(line, "window_s")?);
-                            vtk.add(line)
-                        } else {
-                            strahl.add(line)
-                        }
-                    })?;
+                            Ok(())
+                        })?;
                     let (theirs, ours) = (median(&vtk.frames), median(&strahl.frames));
                     table.row(&[
                         format!("{case}, {}", title(mode)),
@@ -249,7 +245,7 @@ impl Peers {
         Ok(text)
     }
 
-    /// Runs both in turns, Strahl with a `step`; `add` gets what each has printed, and whether that was VTK.
+    /// The seconds of VTK and of Strahl in turns, the latter with a `step`; `look` gets what VTK has printed.
     fn in_turns(
         &self,
         arguments: &Arguments,
@@ -257,26 +253,28 @@ impl Peers {
         mode: &str,
         threads: u32,
         step: f64,
-        mut add: impl FnMut(&Value, bool) -> Result<()>,
-    ) -> Result<()> {
+        mut look: impl FnMut(&Value) -> Result<()>,
+    ) -> Result<[Seconds; 2]> {
+        let (mut vtk, mut strahl) = (Seconds::default(), Seconds::default());
         for round in 0..arguments.rounds {
             // Neither is always the one that finds the machine warm.
             for turn in [round % 2, 1 - round % 2] {
-                let is_vtk = turn == 0;
-                let mut command;
-                if is_vtk {
+                if turn == 0 {
                     let (frames, threads) = (arguments.frames.to_string(), threads.to_string());
-                    command = self.vtk(case, mode);
+                    let mut command = self.vtk(case, mode);
                     command.args(["--frames", &frames, "--threads", &threads]);
+                    let line = only_line(&mut command)?;
+                    look(&line)?;
+                    vtk.add(&line)?;
                 } else {
-                    command = self.strahl(case, mode);
+                    let mut command = self.strahl(case, mode);
                     command.arg(format!("frames={}", arguments.frames));
                     command.args([format!("threads={threads}"), format!("step={step}")]);
+                    strahl.add(&only_line(&mut command)?)?;
                 }
-                add(&only_line(&mut command)?, is_vtk)?;
             }
         }
-        Ok(())
+        Ok([vtk, strahl])
     }
 
     /// The table of times where Strahl takes a shorter step, so that its error is no larger than VTK's.
@@ -299,14 +297,7 @@ impl Peers {
             errors,
         } in finer
         {
-            let (mut vtk, mut strahl) = (Seconds::default(), Seconds::default());
-            self.in_turns(arguments, case, mode, threads, *step, |line, is_vtk| {
-                if is_vtk {
-                    vtk.add(line)
-                } else {
-                    strahl.add(line)
-                }
-            })?;
+            let [vtk, strahl] = self.in_turns(arguments, case, mode, threads, *step, |_| Ok(()))?;
             let (theirs, ours) = (median(&vtk.frames), median(&strahl.frames));
             table.row(&[
                 format!("{case}, {}", title(mode)),

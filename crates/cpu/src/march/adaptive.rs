@@ -30,17 +30,10 @@ impl<S: Level> Packet<'_, S> {
         let mut live = k.lt(rays.count);
         while live.any() {
             let position = line.position(k + rays.jitter);
-            if let Some(skip) = &object.skip {
-                let jump = skip.jump(shape, line, position);
-                let empty = live & zero.lt(jump);
-                if empty.any() {
-                    // The others wait, as in the loop over every point.
-                    let next = empty.select((k + jump).min(rays.count), k);
-                    self.skipped += next - k;
-                    k = next;
-                    live = live & k.lt(rays.count);
-                    continue;
-                }
+            if let Some(next) = self.behind_nothing(object, position, k, live) {
+                k = next;
+                live = live & k.lt(rays.count);
+                continue;
             }
             let run = match &object.even {
                 Some(even) => even.run(shape, line, position).min(rays.count - k),

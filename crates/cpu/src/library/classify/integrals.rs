@@ -7,10 +7,11 @@
 
 use super::{Surface, Table};
 use crate::elementary::opacity_of_lengths;
+use crate::kept::Kept;
 use crate::lanes::{F32s, I32s, Mask, each, row_pairs};
 use crate::levels::{Level, inlined};
 use rayon::prelude::*;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 use strahl_scene::plan::{Plan, Sampling};
 use strahl_scene::transfer::TransferTable;
 
@@ -352,23 +353,19 @@ fn in_a_row<S: Level>(
     }
 }
 
-/// The tables of the Plans drawn last: most have only another camera, and pictures in stages have two steps.
-#[derive(Default)]
-pub struct RecentIntegrals(Mutex<Vec<(Asked, Arc<Integrals>)>>);
-
-/// Tables that are kept.
-const KEPT: usize = 2;
+/// The tables of the Plans drawn last.
+pub type RecentIntegrals = Kept<Asked, Integrals>;
 
 /// All that a table depends on.
-#[derive(Clone, PartialEq)]
-struct Asked {
+#[derive(PartialEq)]
+pub struct Asked {
     table: TransferTable,
     step_mm: f64,
 }
 
 impl RecentIntegrals {
     /// The table for object number `object` of `plan`; `None` if its sampling asks for none.
-    pub fn find(&self, plan: &Plan, object: usize) -> Option<Arc<Integrals>> {
+    pub fn of_plan(&self, plan: &Plan, object: usize) -> Option<Arc<Integrals>> {
         if plan.sampling != Sampling::Integrated {
             return None;
         }
@@ -376,23 +373,10 @@ impl RecentIntegrals {
             table: plan.objects[object].table.clone(),
             step_mm: plan.lattice.step_mm,
         };
-        if let Some(known) = self.known(&asked) {
-            return Some(known);
-        }
-        // Nobody waits for this: the threads that make it may be asked for another picture meanwhile.
-        let reference_mm = f64::from(asked.table.reference_mm());
-        let made = Arc::new(Integrals::new(&asked.table, asked.step_mm / reference_mm));
-        let mut recent = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        recent.insert(0, (asked, made.clone()));
-        recent.truncate(KEPT);
-        Some(made)
-    }
-
-    fn known(&self, asked: &Asked) -> Option<Arc<Integrals>> {
-        let mut recent = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let index = recent.iter().position(|(of, _)| of == asked)?;
-        recent[..=index].rotate_right(1);
-        Some(recent[0].1.clone())
+        self.find(asked, |asked| {
+            let reference_mm = f64::from(asked.table.reference_mm());
+            Some(Integrals::new(&asked.table, asked.step_mm / reference_mm))
+        })
     }
 }
 
