@@ -233,7 +233,8 @@ fn scene(
         scene["sampling"] = serde_json::from_str(sampling).expect("JSON");
     }
     match mode {
-        "unshaded" | "shaded" => {}
+        // Where VTK's mapper ends a ray, too.
+        "unshaded" | "shaded" => scene["early_termination"] = json!(255.0 / 32767.0),
         "mip-values" => scene["method"] = json!("mip"),
         "mip" | "minip" | "average" => scene["method"] = json!(mode),
         "first-hit" => {

@@ -154,6 +154,13 @@ impl<S: Level> Mask64<S> {
             mask64x8::from_bitmask(S::proof(), bits >> (vector * EIGHT) & 0xFF)
         }))
     }
+
+    /// Whether any lane is set.
+    #[inline(always)]
+    pub fn any(self) -> bool {
+        let [a, b, c, d] = self.0;
+        ((a | b) | (c | d)).any_true()
+    }
 }
 
 macro_rules! vectors {

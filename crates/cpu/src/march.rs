@@ -568,7 +568,7 @@ impl<S: Level> Packet<'_, S> {
 
     /// The rule's own end, then what is behind under everything.
     #[inline(always)]
-    fn finish(mut self) -> Seen {
+    fn finish(&mut self) -> Seen {
         let found = F32s::zero().lt(self.state.number);
         match self.scenery.plan.composite {
             Composite::Mip | Composite::MinIp => self.classify_once(self.state.value, found),

@@ -8,7 +8,7 @@ use crate::library::jitter::Jitters;
 use crate::scenery::Scenery;
 use crate::tiles::Raster;
 use glam::DVec3;
-use strahl_scene::plan::{MOST_OBJECTS, Plan, Projection, Ray, Sampling};
+use strahl_scene::plan::{Plan, Projection, Ray, Sampling};
 use strahl_volume::Grid;
 
 /// Further than any lattice reaches, as a number of steps.
@@ -22,6 +22,8 @@ pub const MAX_POINTS: f64 = 16_777_216.0;
 pub struct RayPacket<S: Level> {
     /// One per object of the Plan.
     pub lines: Vec<Line<S>>,
+    /// Where each object begins and ends, in mm from the ray's start.
+    intervals: Vec<[F64s<S>; 2]>,
     /// World space, unit length.
     pub direction: Vec3s<S>,
     /// Where the lattice begins, in mm from the ray's start.
@@ -100,14 +102,15 @@ impl<S: Level> Line<S> {
             * step_mm,);
         let inverse = inlined(
             #[inline(always)]
-            |step: F64s<S>| {
+            |step: F32s<S>| {
                 // A step so short moves less than the margin of skipping in MAX_POINTS steps.
-                let moves = F64s::splat(1e-20).lt(step.abs());
-                let inverse = F64s::splat(1.0).over(moves.select(step, F64s::splat(1.0)));
-                moves.select(inverse, F64s::splat(0.0)).to_single()
+                let moves = F32s::splat(1e-20).lt(step.abs());
+                let inverse = F32s::splat(1.0).over(moves.select(step, F32s::splat(1.0)));
+                moves.select(inverse, F32s::zero())
             },
         );
-        let inverse_step = each!(step, |c| inverse(c));
+        let step_in_voxel = each!(step, |c| F64s::to_single(c));
+        let inverse_step = each!(step_in_voxel, |c| inverse(c));
         let zero = F32s::zero();
         let sign = inlined(
             #[inline(always)]
@@ -129,7 +132,7 @@ impl<S: Level> Line<S> {
             |axis: usize| sign[axis] * F32s::splat(grid.dims()[axis] as f32 / (1 << 20) as f32);
         Line {
             entry_in_voxel: each!(entry, |c| F64s::to_single(c)),
-            step_in_voxel: each!(step, |c| F64s::to_single(c)),
+            step_in_voxel,
             inverse_step,
             stays: each!(inverse_step, |c| stays(c)),
             sign,
@@ -150,17 +153,25 @@ pub struct Rays<S: Level> {
 }
 
 impl<S: Level> Rays<S> {
-    /// The rays through the centres of pixels, with the arithmetic of [`PlanCamera::ray`].
+    /// The rays through the centres of the pixels in these columns and rows, with the arithmetic of
+    /// [`PlanCamera::ray`].
     ///
     /// [`PlanCamera::ray`]: strahl_scene::plan::PlanCamera::ray
     #[inline(always)]
-    fn of_camera(plan: &Plan, x: F64s<S>, y: F64s<S>) -> Rays<S> {
+    fn of_camera(plan: &Plan, columns: [u32; PACKET[0]], rows: [u32; PACKET[1]]) -> Rays<S> {
         let camera = &plan.camera;
         let (width, height) = (f64::from(plan.width), f64::from(plan.height));
-        let (one, two, half) = (F64s::splat(1.0), F64s::splat(2.0), F64s::splat(0.5));
-        let across =
-            (two * (x + half).over(F64s::splat(width)) - one) * F64s::splat(width / height);
-        let upward = one - two * (y + half).over(F64s::splat(height));
+        let aspect = width / height;
+        let (mut across, mut upward) = ([0.0; PACKET[0]], [0.0; PACKET[1]]);
+        for (across, x) in across.iter_mut().zip(columns) {
+            *across = (2.0 * (f64::from(x) + 0.5) / width - 1.0) * aspect;
+        }
+        for (upward, y) in upward.iter_mut().zip(rows) {
+            *upward = 1.0 - 2.0 * (f64::from(y) + 0.5) / height;
+        }
+        let across = F64s::from_array(lanes(|lane| across[lane % PACKET[0]]));
+        let upward = F64s::from_array(lanes(|lane| upward[lane / PACKET[0]]));
+        let one = F64s::splat(1.0);
         let (right, up) = (doubles::splat(camera.right), doubles::splat(camera.up));
         let forward = doubles::splat(camera.forward);
         let offset = inlined(
@@ -199,6 +210,7 @@ impl<S: Level> RayPacket<S> {
     pub fn empty(objects: usize) -> RayPacket<S> {
         RayPacket {
             lines: vec![Line::none(); objects],
+            intervals: vec![[F64s::splat(0.0); 2]; objects],
             direction: [F32s::zero(); 3],
             entry_mm: F64s::splat(0.0),
             jitter: F32s::zero(),
@@ -222,21 +234,19 @@ impl<S: Level> RayPacket<S> {
         frame: u32,
     ) {
         let plan = scenery.plan;
-        let in_raster = |lane: usize| {
-            let (x, y) = (lane % PACKET[0], lane / PACKET[0]);
-            [x0 + x as u32, y0 + y as u32]
-        };
         let Raster { first, stride } = raster;
-        let column = |lane: usize| first[0] + in_raster(lane)[0] * stride[0];
-        let row = |lane: usize| first[1] + in_raster(lane)[1] * stride[1];
-        self.pixels = lanes(|lane| in_raster(lane)[0] < x_end && in_raster(lane)[1] < y_end);
-        // Whole numbers, exact.
-        let whole = |n: u32| F64s::splat(n.into());
-        let (x, y) = (F64s::from_array(COLUMNS), F64s::from_array(ROWS));
-        let (x, y) = (x + whole(x0), y + whole(y0));
-        let x = x * whole(stride[0]) + whole(first[0]);
-        let y = y * whole(stride[1]) + whole(first[1]);
-        let rays = Rays::of_camera(plan, x, y);
+        let (mut columns, mut rows) = ([0; PACKET[0]], [0; PACKET[1]]);
+        for (x, column) in (x0..).zip(&mut columns) {
+            *column = first[0] + x * stride[0];
+        }
+        for (y, row) in (y0..).zip(&mut rows) {
+            *row = first[1] + y * stride[1];
+        }
+        self.pixels = lanes(|lane| {
+            let (x, y) = (lane % PACKET[0], lane / PACKET[0]);
+            x0 + (x as u32) < x_end && y0 + (y as u32) < y_end
+        });
+        let rays = Rays::of_camera(plan, columns, rows);
         self.direction = each!(rays.direction, |c| F64s::to_single(c));
         if plan.meshes.is_empty() {
             self.opaque_mm = [f64::INFINITY; LANES];
@@ -267,14 +277,14 @@ impl<S: Level> RayPacket<S> {
         self.jitter = match scenery.jitters {
             Jitters::Centre => F32s::splat(0.5),
             _ => F32s::from_array(lanes(|lane| {
-                scenery.jitters.at(column(lane), row(lane), frame)
+                let (x, y) = (lane % PACKET[0], lane / PACKET[0]);
+                scenery.jitters.at(columns[x], rows[y], frame)
             })),
         };
         let opaque_mm = F64s::from_array(self.opaque_mm);
         let (zero, far) = (F64s::splat(0.0), F64s::splat(f64::INFINITY));
-        let mut intervals = [[zero; 2]; MOST_OBJECTS];
         let (mut t_entry, mut t_exit) = (far, -far);
-        for (object, interval) in intervals[..plan.objects.len()].iter_mut().enumerate() {
+        for (object, interval) in self.intervals.iter_mut().enumerate() {
             *interval = clip_ray::interval(plan, object, &rays, opaque_mm);
             let [first, last] = *interval;
             let met = first.lt(last);
@@ -282,6 +292,10 @@ impl<S: Level> RayPacket<S> {
             t_exit = t_exit.max(met.select(last, -far));
         }
         let met = t_entry.lt(t_exit) & Mask64::from_array(self.pixels);
+        if !met.any() {
+            (self.count, self.tail) = (F32s::zero(), F32s::zero());
+            return;
+        }
         let t_entry = met.select(t_entry, zero);
         let step_mm = F64s::splat(plan.lattice.step_mm);
         let jitter = F64s::from_single(self.jitter);
@@ -294,16 +308,20 @@ impl<S: Level> RayPacket<S> {
                 met.select(count, zero).to_single()
             },
         );
-        for (object, line) in self.lines.iter_mut().enumerate() {
-            let [first, last] = intervals[object];
-            let met = met & first.lt(last);
-            let grid = &plan.objects[object].grid;
-            *line = Line::of_rays(grid, &rays, t_entry, plan.lattice.step_mm);
-            line.first = points(met, first);
-            line.end = points(met, last);
-        }
         self.entry_mm = t_entry;
         self.count = points(met, t_exit);
+        let is_alone = plan.objects.len() == 1;
+        for (object, line) in self.lines.iter_mut().enumerate() {
+            let grid = &plan.objects[object].grid;
+            *line = Line::of_rays(grid, &rays, t_entry, plan.lattice.step_mm);
+            line.end = self.count;
+            if !is_alone {
+                let [first, last] = self.intervals[object];
+                let met = met & first.lt(last);
+                line.first = points(met, first);
+                line.end = points(met, last);
+            }
+        }
         let parts = plan.sampling.parts();
         if parts > 1 {
             let (one, parts) = (F64s::splat(1.0), F64s::splat(f64::from(parts)));
@@ -320,28 +338,6 @@ impl<S: Level> RayPacket<S> {
         }
     }
 }
-
-/// Of the lanes in a packet.
-const COLUMNS: [f64; LANES] = {
-    let mut columns = [0.0; LANES];
-    let mut lane = 0;
-    while lane < LANES {
-        columns[lane] = (lane % PACKET[0]) as f64;
-        lane += 1;
-    }
-    columns
-};
-
-/// Of the lanes in a packet.
-const ROWS: [f64; LANES] = {
-    let mut rows = [0.0; LANES];
-    let mut lane = 0;
-    while lane < LANES {
-        rows[lane] = (lane / PACKET[0]) as f64;
-        lane += 1;
-    }
-    rows
-};
 
 /// The largest number of lattice points that a ray of `plan` may have.
 pub fn most_points(plan: &Plan) -> f64 {
@@ -377,10 +373,9 @@ mod tests {
             );
             let scene = Scene::parse("scene", &scene).unwrap();
             let plan = resolve(&scene, &volume.header(), None).unwrap();
-            let at = |values: [f64; LANES], by: f64| {
-                F64s::<Portable>::from_array(values.map(|v| v + by))
-            };
-            let rays = Rays::of_camera(&plan, at(COLUMNS, 8.0), at(ROWS, 4.0));
+            let columns = std::array::from_fn(|i| 8 + i as u32);
+            let rows = std::array::from_fn(|i| 4 + i as u32);
+            let rays = Rays::<Portable>::of_camera(&plan, columns, rows);
             for lane in 0..LANES {
                 let (x, y) = (8 + lane % PACKET[0], 4 + lane / PACKET[0]);
                 let ray = plan.camera.ray(x as u32, y as u32, plan.width, plan.height);

@@ -15,7 +15,7 @@ use crate::meshes::Meshes;
 use crate::skip::Skip;
 use std::sync::Arc;
 use strahl_scene::plan::{Classify, Composite, GradientInput, Plan};
-use strahl_volume::{Grid, Rescale, Samples};
+use strahl_volume::{Grid, Samples};
 
 /// The functions in the slots, with what they read.
 pub struct Scenery<'p, S: Level> {
@@ -42,8 +42,8 @@ pub struct Object<'p, S: Level> {
     /// What is shown between two values; where the Plan's sampling is integrated.
     pub integrals: Option<Arc<Integrals>>,
     classify: Classify,
-    /// Of the values from stored numbers.
-    rescale: Rescale,
+    /// Of the values from stored numbers: slope and intercept.
+    rescale: [f32; 2],
     /// (Part of a) step/reference, the exponent of the opacity correction.
     steps_per_reference: f32,
     world_from_voxel: Affine,
@@ -96,7 +96,7 @@ impl<'p, S: Level> Object<'p, S> {
         Object {
             values,
             stored,
-            rescale: placed.rescale,
+            rescale: [placed.rescale.slope, placed.rescale.intercept].map(|number| number as f32),
             clips: SampleClips::new(plan, object, &placed.grid, masks),
             table: Table::new(table),
             gradients: Gradients::new(plan.gradient, &placed.grid),
@@ -133,7 +133,14 @@ impl<'p, S: Level> Object<'p, S> {
     /// The value of a stored number.
     #[inline(always)]
     pub fn rescaled(&self, stored: F32s<S>) -> F32s<S> {
-        stored * F32s::splat(self.rescale.slope as f32) + F32s::splat(self.rescale.intercept as f32)
+        let [slope, intercept] = self.rescale;
+        stored * F32s::splat(slope) + F32s::splat(intercept)
+    }
+
+    /// The place of `position` (voxel space) in the world.
+    #[inline(always)]
+    pub fn place_mm(&self, position: Vec3s<S>) -> Vec3s<S> {
+        self.world_from_voxel.point(position)
     }
 
     /// The opacity of a step of one of the reference length.
@@ -216,7 +223,7 @@ impl<'p, S: Level> Object<'p, S> {
             || {
                 let place = Place {
                     gradient: || self.gradient(position, shaded),
-                    place_mm: || self.world_from_voxel.point(position),
+                    place_mm: || self.place_mm(position),
                     to_eye,
                 };
                 shading.look(surface, &place, shaded, last_normal)
@@ -265,7 +272,7 @@ impl<'p, S: Level> Object<'p, S> {
             if !shading.is_unlit() {
                 let place = Place {
                     gradient: || gradient,
-                    place_mm: || self.world_from_voxel.point(position),
+                    place_mm: || self.place_mm(position),
                     to_eye,
                 };
                 surface = shading.look(surface, &place, visible, last_normal);

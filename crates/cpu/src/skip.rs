@@ -231,7 +231,11 @@ impl Recent {
         let known = {
             let mut all = self.all();
             let place = all.iter().position(|found| found.of == asked);
-            place.map(|place| all.remove(place))
+            let known = place.map(|place| all.remove(place));
+            // What was found for other transfer functions would take an eighth of a `u8` volume each: it goes before
+            // there is more.
+            all.truncate(plan.objects.len() - 1);
+            known
         };
         // Not under the lock: the threads that help here may draw other pictures meanwhile.
         let mut found = known.unwrap_or_else(|| Found::new(asked, bricks, plan, object));
@@ -239,7 +243,6 @@ impl Recent {
         let knowledge = found.knowledge.clone();
         let mut all = self.all();
         all.insert(0, found);
-        // What was found for other transfer functions would take an eighth of a `u8` volume each.
         all.truncate(plan.objects.len());
         knowledge
     }

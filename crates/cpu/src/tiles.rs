@@ -156,32 +156,31 @@ fn draw_tile<S: Level>(scenery: &Scenery<S>, raster: Raster, mut tile: Tile) -> 
     let (width, height) = (tile.rows[0].len() as u32, tile.rows.len() as u32);
     let end = [tile.x + width, tile.y + height];
     let frames = scenery.plan.lattice.frames;
+    let mut sums = [[0.0f64; 4]; LANES];
     for y in (0..height).step_by(PACKET[1]) {
         for x in (0..width).step_by(PACKET[0]) {
-            let mut sums = [[0.0f64; 4]; LANES];
-            let mut pixels = [[0.0f32; 4]; LANES];
             let place = [x as usize, y as usize];
             for frame in 0..frames {
                 rays.aim(scenery, raster, [tile.x + x, tile.y + y], end, frame);
                 let seen = scenery.march(&rays, &mut of_runs, &mut counts);
-                if frames == 1 {
-                    pixels = seen.pixels;
-                } else {
-                    for (sum, pixel) in sums.iter_mut().zip(seen.pixels) {
-                        let channels = sum.iter_mut().zip(pixel);
-                        channels.for_each(|(sum, c)| *sum += f64::from(c));
-                    }
-                }
                 if frame == 0 && !tile.depth_rows.is_empty() {
                     write(&seen.depth_mm, &mut tile.depth_rows, place);
                 }
-            }
-            if frames > 1 {
-                for (pixel, sum) in pixels.iter_mut().zip(sums) {
-                    *pixel = sum.map(|sum| (sum / f64::from(frames)) as f32);
+                if frames == 1 {
+                    write(&seen.pixels, &mut tile.rows, place);
+                    continue;
+                }
+                for (sum, pixel) in sums.iter_mut().zip(seen.pixels) {
+                    for (sum, c) in sum.iter_mut().zip(pixel) {
+                        let so_far = if frame == 0 { 0.0 } else { *sum };
+                        *sum = so_far + f64::from(c);
+                    }
                 }
             }
-            write(&pixels, &mut tile.rows, place);
+            if frames > 1 {
+                let mean = sums.map(|sum| sum.map(|sum| (sum / f64::from(frames)) as f32));
+                write(&mean, &mut tile.rows, place);
+            }
         }
     }
     counts

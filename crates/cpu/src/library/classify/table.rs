@@ -10,28 +10,31 @@ pub struct Table<'p> {
     opacities: Vec<f32>,
     lo: f32,
     entries_per_value: f32,
+    /// The number of the last entry.
+    last: f32,
 }
 
 impl<'p> Table<'p> {
     /// The function of `table`.
     pub fn new(table: &'p TransferTable) -> Table<'p> {
         let [lo, hi] = table.domain();
+        let last = (table.entries().len() - 1) as f32;
         Table {
             entries: table.entries(),
             opacities: table.entries().iter().map(|entry| entry[3]).collect(),
             lo,
-            entries_per_value: (table.entries().len() - 1) as f32 / (hi - lo),
+            entries_per_value: last / (hi - lo),
+            last,
         }
     }
 
     /// The last entry at or below `value`, and the part of the way to the next one.
     #[inline(always)]
     fn place<S: Level>(&self, value: F32s<S>) -> (I32s<S>, F32s<S>) {
-        let last = (self.entries.len() - 1) as f32;
         let lo = F32s::splat(self.lo);
         let position = ((value - lo) * F32s::splat(self.entries_per_value))
             .max(F32s::zero())
-            .min(F32s::splat(last));
+            .min(F32s::splat(self.last));
         let index = position.to_i32s().min(self.entries.len() as i32 - 2);
         (index, position - index.to_f32s())
     }

@@ -11,14 +11,15 @@ pub fn clip<S: Level>(grid: &Grid, rays: &Rays<S>, [mut t0, mut t1]: [F64s<S>; 2
     let origin = moved(&voxel_from_world, rays.origin_mm);
     let direction = turned(&voxel_from_world, rays.direction);
     let (lo, hi) = grid.extent_in_voxels();
-    let (zero, far) = (F64s::splat(0.0), F64s::splat(f64::INFINITY));
+    let far = F64s::splat(f64::INFINITY);
     for axis in 0..3 {
         let (o, d) = (origin[axis], direction[axis]);
         let (lo, hi) = (F64s::splat(lo[axis]), F64s::splat(hi[axis]));
-        let moves = zero.lt(d.abs());
-        let divisor = moves.select(d, F64s::splat(1.0));
-        let (a, b) = ((lo - o).over(divisor), (hi - o).over(divisor));
-        // 0/0 has no sign: a parallel ray is inside or outside all along.
+        // Less moves no point of a ray, and has no inverse.
+        let moves = F64s::splat(1e-300).lt(d.abs());
+        let inverse = F64s::splat(1.0).over(moves.select(d, F64s::splat(1.0)));
+        let (a, b) = ((lo - o) * inverse, (hi - o) * inverse);
+        // A parallel ray is inside or outside all along.
         let outside = o.lt(lo) | hi.lt(o);
         let parallel = outside.select(-far, far);
         t0 = t0.max(moves.select(a.min(b), -far));
