@@ -48,7 +48,7 @@ impl EvenCubes {
         }
         assert_eq!(bricks.edge(), Skip::EDGE);
         // Words are gathered at 32-bit offsets.
-        if bricks.ranges().len() > i32::MAX as usize / 8 {
+        if bricks.number() > i32::MAX as usize / 8 {
             return None;
         }
         let placed = &plan.objects[object];

@@ -565,8 +565,8 @@ impl<'v> Renderer<'v> {
 
 /// Whether every voxel has a value, and none is so large that differences overflow.
 fn is_whole(volume: &Volume, bricks: &Bricks) -> bool {
-    let fits = |range: &BrickRange| range.lo > -1e37 && range.hi < 1e37;
-    volume.statistics().not_finite == 0 && bricks.ranges().iter().all(fits)
+    let fits = |range: BrickRange| range.lo > -1e37 && range.hi < 1e37;
+    volume.statistics().not_finite == 0 && bricks.ranges().all(fits)
 }
 
 impl Counts {

@@ -259,7 +259,7 @@ impl Found {
         };
         let mut visible = Vec::new();
         // Words are gathered at 32-bit offsets.
-        let knowledge = if bricks.ranges().len() > i32::MAX as usize / 8 {
+        let knowledge = if bricks.number() > i32::MAX as usize / 8 {
             Knowledge::Nothing
         } else {
             match Contribution::of(plan, object, bricks) {
@@ -303,7 +303,7 @@ impl Found {
 
 impl Skip {
     /// Cells along the edge of the bricks: of the samples of typical scans half as many lie in visible
-    /// bricks of 4 as in those of 8, for 12.5 % of the memory of a `u8` volume.
+    /// bricks of 4 as in those of 8; the octants' cubes are then 12.5 % of a `u8` volume.
     pub const EDGE: usize = 4;
 
     /// Of a cell's number, to that of its brick.

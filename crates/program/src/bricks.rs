@@ -12,7 +12,7 @@ pub fn occupancy(bricks: &Bricks, plan: &Plan, object: usize) -> Vec<u8> {
         Contribution::Visible(visible) => visible.into_iter().map(u8::from).collect(),
         // What a ray has seen so far is not asked here.
         Contribution::Every | Contribution::Largest(_) | Contribution::Smallest(_) => {
-            vec![1; bricks.ranges().len()]
+            vec![1; bricks.number()]
         }
     }
 }

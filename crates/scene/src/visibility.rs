@@ -8,7 +8,6 @@ pub use even::even_cubes;
 
 use crate::plan::{Classify, Composite, DebugView, Fetch, Plan, PlanObject, Reconstruct};
 use crate::transfer::TransferTable;
-use std::borrow::Cow;
 use strahl_volume::Rescale;
 use strahl_volume::bricks::{BrickRange, Bricks};
 
@@ -38,40 +37,40 @@ impl Contribution {
         if plan.fetch != Fetch::Stored || !is_known {
             return Contribution::Every;
         }
-        let ranges = reached(bricks, plan.reconstruct);
-        let values = |range: &BrickRange| values(range, plan, object);
+        let values = |range: BrickRange| values(range, plan, object);
+        let way = plan.reconstruct;
         let opaque = Opaque::new(&object.table);
-        let visible = |range: &BrickRange| {
+        let visible = |range: BrickRange| {
             let (lo, hi) = values(range);
             !range.is_empty() && shows(plan.classify, &opaque, lo, hi)
         };
-        let where_visible = || Contribution::Visible(ranges.iter().map(visible).collect());
         match plan.composite {
-            Composite::EmissionAbsorption { .. } | Composite::BackToFront => where_visible(),
-            Composite::Debug(
+            Composite::EmissionAbsorption { .. }
+            | Composite::BackToFront
+            | Composite::Debug(
                 DebugView::Normal
                 | DebugView::GradientRaw
                 | DebugView::GradientMagnitude { .. }
                 | DebugView::Depth { .. },
-            ) => where_visible(),
+            ) => Contribution::Visible(of_reached(bricks, way, visible)),
             Composite::Mida { low, high, .. } => {
-                let rises = |range: &BrickRange| {
+                let rises = |range: BrickRange| {
                     let (lo, hi) = values(range);
                     !range.is_empty() && if low < high { hi > low } else { lo < low }
                 };
-                let matters = |range: &BrickRange| visible(range) || rises(range);
-                Contribution::Visible(ranges.iter().map(matters).collect())
+                let matters = |range: BrickRange| visible(range) || rises(range);
+                Contribution::Visible(of_reached(bricks, way, matters))
             }
             Composite::FirstHit { threshold } => {
                 let hit =
-                    |range: &BrickRange| !range.is_empty() && values(range).1 >= threshold as f32;
-                Contribution::Visible(ranges.iter().map(hit).collect())
+                    |range: BrickRange| !range.is_empty() && values(range).1 >= threshold as f32;
+                Contribution::Visible(of_reached(bricks, way, hit))
             }
             Composite::Mip => {
-                Contribution::Largest(ranges.iter().map(|range| values(range).1).collect())
+                Contribution::Largest(of_reached(bricks, way, |range| values(range).1))
             }
             Composite::MinIp => {
-                Contribution::Smallest(ranges.iter().map(|range| values(range).0).collect())
+                Contribution::Smallest(of_reached(bricks, way, |range| values(range).0))
             }
             Composite::Average
             | Composite::Gmip { .. }
@@ -84,7 +83,7 @@ impl Contribution {
 
 /// Bounds of the values that reconstruction can give inside a brick: its range, rescaled, and
 /// widened by more than interpolation and rescaling can round (some 20 operations of 2⁻²⁴ each).
-fn values(range: &BrickRange, plan: &Plan, object: &PlanObject) -> (f32, f32) {
+fn values(range: BrickRange, plan: &Plan, object: &PlanObject) -> (f32, f32) {
     let rescale = match plan.reconstruct {
         // Coefficients are values.
         Reconstruct::BSplineInterpolating => Rescale::IDENTITY,
@@ -104,24 +103,39 @@ fn values(range: &BrickRange, plan: &Plan, object: &PlanObject) -> (f32, f32) {
     ((a.min(b) - margin) as f32, (a.max(b) + margin) as f32)
 }
 
-/// The numbers that reconstruction can reach from inside each brick.
-fn reached(bricks: &Bricks, reconstruct: Reconstruct) -> Cow<'_, [BrickRange]> {
+/// What `of` makes of the numbers that reconstruction can reach from inside each brick.
+fn of_reached<T>(
+    bricks: &Bricks,
+    reconstruct: Reconstruct,
+    of: impl Fn(BrickRange) -> T,
+) -> Vec<T> {
     match reconstruct {
-        Reconstruct::Nearest | Reconstruct::Trilinear => Cow::Borrowed(bricks.ranges()),
+        Reconstruct::Nearest | Reconstruct::Trilinear => bricks.ranges().map(of).collect(),
         // Four voxels along each axis reach into the next bricks; the weights add up to 1 and none is
         // negative.
         Reconstruct::BSpline | Reconstruct::BSplineInterpolating => {
-            Cow::Owned(with_neighbours(bricks))
+            with_neighbours(bricks).into_iter().map(of).collect()
         }
         // The weights along an axis lie between −1/8 and 9/8 at the most, so that a value leaves the
         // range by up to ((5/4)³ − 1)/2 of its width.
         Reconstruct::CatmullRom => {
-            let mut ranges = with_neighbours(bricks);
-            for range in ranges.iter_mut().filter(|range| !range.is_empty()) {
+            let wider = |range: BrickRange| {
                 let by = (range.hi - range.lo) * 0.48;
-                (range.lo, range.hi) = (range.lo - by, range.hi + by);
-            }
-            Cow::Owned(ranges)
+                BrickRange {
+                    lo: range.lo - by,
+                    hi: range.hi + by,
+                }
+            };
+            with_neighbours(bricks)
+                .into_iter()
+                .map(|range| {
+                    of(if range.is_empty() {
+                        range
+                    } else {
+                        wider(range)
+                    })
+                })
+                .collect()
         }
     }
 }
@@ -130,7 +144,7 @@ fn reached(bricks: &Bricks, reconstruct: Reconstruct) -> Cow<'_, [BrickRange]> {
 fn with_neighbours(bricks: &Bricks) -> Vec<BrickRange> {
     let dims = bricks.dims();
     let stride = [1, dims[0], dims[0] * dims[1]];
-    let mut ranges = bricks.ranges().to_vec();
+    let mut ranges: Vec<BrickRange> = bricks.ranges().collect();
     for axis in 0..3 {
         let before = ranges.clone();
         for (i, range) in ranges.iter_mut().enumerate() {

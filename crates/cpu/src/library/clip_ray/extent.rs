@@ -27,3 +27,31 @@ pub fn clip<S: Level>(grid: &Grid, rays: &Rays<S>, [mut t0, mut t1]: [F64s<S>; 2
     }
     [t0, t1]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::doubles::splat;
+    use crate::levels::Portable;
+    use glam::DVec3;
+
+    #[test]
+    fn rays_that_hardly_move_along_an_axis_are_parallel_to_it() {
+        let grid = Grid::centred([4, 4, 4], DVec3::ONE).unwrap();
+        let all = [F64s::<Portable>::splat(0.0), F64s::splat(f64::INFINITY)];
+        for across in [0.0, 1e-310, -1e-310, 1e-290] {
+            let met = |y: f64| {
+                let rays = Rays {
+                    origin_mm: splat(DVec3::new(-5.0, y, 0.0)),
+                    direction: splat(DVec3::new(1.0, across, 0.0)),
+                };
+                clip(&grid, &rays, all).map(|t| t.lane(0))
+            };
+            assert_eq!(met(0.5), [3.0, 7.0], "{across}");
+            let [first, last] = met(2.5);
+            assert!(first >= last, "{across}: {first} to {last}");
+            let on_the_face = met(2.0);
+            assert!(!on_the_face.iter().any(|t| t.is_nan()), "{across}");
+        }
+    }
+}
