@@ -310,6 +310,7 @@ impl<S: Level> RayPacket<S> {
         );
         self.entry_mm = t_entry;
         self.count = points(met, t_exit);
+        // One alone begins and ends with the rays.
         let is_alone = plan.objects.len() == 1;
         for (object, line) in self.lines.iter_mut().enumerate() {
             let grid = &plan.objects[object].grid;

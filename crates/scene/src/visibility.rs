@@ -119,23 +119,15 @@ fn of_reached<T>(
         // The weights along an axis lie between −1/8 and 9/8 at the most, so that a value leaves the
         // range by up to ((5/4)³ − 1)/2 of its width.
         Reconstruct::CatmullRom => {
-            let wider = |range: BrickRange| {
-                let by = (range.hi - range.lo) * 0.48;
+            let wider = |BrickRange { lo, hi }| {
+                let by = if lo > hi { 0.0 } else { (hi - lo) * 0.48 };
                 BrickRange {
-                    lo: range.lo - by,
-                    hi: range.hi + by,
+                    lo: lo - by,
+                    hi: hi + by,
                 }
             };
-            with_neighbours(bricks)
-                .into_iter()
-                .map(|range| {
-                    of(if range.is_empty() {
-                        range
-                    } else {
-                        wider(range)
-                    })
-                })
-                .collect()
+            let ranges = with_neighbours(bricks).into_iter();
+            ranges.map(|range| of(wider(range))).collect()
         }
     }
 }

@@ -120,7 +120,10 @@ impl Bricks {
             Samples::I16(samples) => {
                 Ranges::I16(bricks.ranges(samples, |s| s, [i16::MAX, i16::MIN]))
             }
-            _ => with_samples!(samples, s => Ranges::F32(bricks.ranges(s, Sample::to_f32, EMPTY))),
+            _ => {
+                let BrickRange { lo, hi } = BrickRange::EMPTY;
+                with_samples!(samples, s => Ranges::F32(bricks.ranges(s, Sample::to_f32, [lo, hi])))
+            }
         };
         Bricks { edge, dims, ranges }
     }
@@ -159,9 +162,6 @@ impl Bricks {
         (0..self.number()).map(|brick| self.ranges.get(brick))
     }
 }
-
-/// The range of no number at all.
-const EMPTY: [f32; 2] = [f32::INFINITY, f32::NEG_INFINITY];
 
 /// How a volume is cut into bricks.
 struct Blocks {
