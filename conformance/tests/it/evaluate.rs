@@ -399,6 +399,7 @@ fn programs_refuse_rules_of_sampling_by_name() {
         },
         Sampling::Integrated,
         Sampling::Adaptive { error: 0.1 },
+        Sampling::ByOpacity { share: 0.1 },
     ];
     for sampling in rules {
         let plan = Plan {

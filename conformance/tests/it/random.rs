@@ -238,6 +238,11 @@ impl Random {
         let parts = self.pick(&[1, 2, 3, 8]);
         let curve = self.pick(&[Curve::Linear, Curve::Cubic]);
         let of_table = plan.classify == Classify::Table && self.once_in(3);
+        if of_table && self.once_in(2) {
+            return Sampling::ByOpacity {
+                share: self.pick(&[0.01, 0.15, 1.0]),
+            };
+        }
         match self.below(if plan.shade == Shade::Unlit { 3 } else { 2 }) {
             _ if of_table => Sampling::Integrated,
             0 => Sampling::Refine { parts },

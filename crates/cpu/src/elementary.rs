@@ -69,6 +69,14 @@ pub fn opacity_of_length<S: Level>(a: F32s<S>, e: f32) -> F32s<S> {
     opacity_of_lengths(a, F32s::splat(e))
 }
 
+/// The same with an exponent of ½, the step of most pictures: a/(1 + √(1 − a)).
+#[inline(always)]
+pub fn opacity_of_half<S: Level>(a: F32s<S>) -> F32s<S> {
+    let one = F32s::splat(1.0);
+    let rest = (one - a).max(F32s::zero());
+    a.over(one + rest.sqrt())
+}
+
 /// The same with an exponent per lane.
 #[inline(always)]
 pub fn opacity_of_lengths<S: Level>(a: F32s<S>, e: F32s<S>) -> F32s<S> {
@@ -143,6 +151,13 @@ mod tests {
                         error <= 6e-7 * want.max(1e-30),
                         "a {a}, e {e}: {got} instead of {want}"
                     );
+                    if e == 0.5 {
+                        let half = f64::from(opacity_of_half(F32s::<Portable>::splat(a)).lane(0));
+                        assert!(
+                            (half - want).abs() <= 6e-7 * want.max(1e-30),
+                            "a {a}: {half}"
+                        );
+                    }
                 }
             }
             assert_eq!(opacity(0.0, e), 0.0);

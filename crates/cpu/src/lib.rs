@@ -37,16 +37,18 @@ mod levels;
 mod library;
 mod march;
 mod meshes;
+mod of_bricks;
 mod ray;
 mod refine;
 mod scenery;
 mod skip;
+mod strides;
 mod tiles;
 
 pub use levels::InstructionSet;
 pub use refine::Stage;
 
-use even::{EvenCubes, RecentCubes};
+use even::EvenCubes;
 use levels::{Level, Task, dispatch};
 use library::classify::RecentIntegrals;
 use library::fetch::{MarschnerLobb, Noise, Shape};
@@ -55,6 +57,7 @@ use library::reconstruct::{Values, of_fetch, values};
 use library::shade::Shading;
 use march::Counts;
 use meshes::Meshes;
+use of_bricks::RecentOfBricks;
 use scenery::{Object, Scenery, Stored};
 use skip::{Recent, Skip};
 use std::ops::ControlFlow;
@@ -64,6 +67,7 @@ use strahl_scene::Image;
 use strahl_scene::plan::{ClipShape, Fetch, Plan, PlanObject, Reconstruct, Sampling};
 use strahl_volume::bricks::{BrickRange, Bricks};
 use strahl_volume::{Datasets, Rescale, Volume};
+use strides::Strides;
 use tiles::Raster;
 
 /// Called after every tile, from any thread, with the number of tiles drawn and of all tiles;
@@ -83,7 +87,7 @@ pub struct Renderer<'v> {
     bricks_seconds: f64,
     /// What is known of them.
     recent: Recent,
-    recent_cubes: RecentCubes,
+    recent_of_bricks: RecentOfBricks,
     recent_integrals: RecentIntegrals,
     /// Of the volume with this number: made when a Plan first asks for it.
     coefficients: Mutex<Vec<Option<Arc<Coefficients>>>>,
@@ -297,7 +301,7 @@ impl<'v> Renderer<'v> {
                 .collect(),
             bricks_seconds: start.elapsed().as_secs_f64(),
             recent: Recent::default(),
-            recent_cubes: RecentCubes::default(),
+            recent_of_bricks: RecentOfBricks::default(),
             recent_integrals: RecentIntegrals::default(),
             coefficients: Mutex::new(vec![None; data.volumes.len()]),
             meshes: Meshes::new(&data.meshes),
@@ -506,11 +510,14 @@ impl<'v> Renderer<'v> {
             let is_whole = plan.sampling == Sampling::Regular || is_whole(volume, bricks);
             let skip = skip.filter(|_| is_whole || !plan.sampling.is_of_segments());
             let even = is_whole
-                .then(|| EvenCubes::new(&self.recent_cubes, bricks, plan, index))
+                .then(|| EvenCubes::new(&self.recent_of_bricks, bricks, plan, index))
                 .flatten();
+            let strides = Strides::new(&self.recent_of_bricks, bricks, plan, index);
             let integrals = self.recent_integrals.of_plan(plan, index);
             let source = &*sources[index];
-            Object::new(plan, index, source, stored, &masks, skip, even, integrals)
+            Object::new(
+                plan, index, source, stored, &masks, skip, even, strides, integrals,
+            )
         };
         Ok(draw(&Scenery {
             plan,

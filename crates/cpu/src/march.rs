@@ -5,6 +5,7 @@
 //! composition costs next to nothing.
 
 mod adaptive;
+mod by_opacity;
 mod projection;
 mod segments;
 mod through_voxels;
@@ -177,6 +178,15 @@ impl<S: Level> Packet<'_, S> {
                 self.by_segments(object, Shown::AsIntegrals(integrals))
             }
             Sampling::Adaptive { .. } => self.by_runs(object),
+            Sampling::ByOpacity { .. } => {
+                let Some(strides) = &object.strides else {
+                    return self.forwards(object);
+                };
+                match object.stored_for(self.scenery.plan.composite, &self.scenery.shading) {
+                    Some(stored) if S::HAS_LOOPS_PER_TYPE => self.through_voxels(object, stored),
+                    _ => self.by_strides(object, strides),
+                }
+            }
         }
     }
 

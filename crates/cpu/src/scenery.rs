@@ -1,6 +1,6 @@
 //! A Plan with everything prepared that is the same for all rays.
 
-use crate::elementary::{opacity_of_length, opacity_of_lengths};
+use crate::elementary::{opacity_of_half, opacity_of_length, opacity_of_lengths};
 use crate::even::EvenCubes;
 use crate::lanes::{Affine, F32s, Mask, Vec3s};
 use crate::levels::{Level, inlined, vectorized};
@@ -13,6 +13,7 @@ use crate::library::reconstruct::Values;
 use crate::library::shade::{Place, Shading};
 use crate::meshes::Meshes;
 use crate::skip::Skip;
+use crate::strides::{Strides, of_stride};
 use std::sync::Arc;
 use strahl_scene::plan::{Classify, Composite, GradientInput, Plan};
 use strahl_volume::{Grid, Samples};
@@ -37,6 +38,8 @@ pub struct Object<'p, S: Level> {
     pub skip: Option<Skip>,
     /// Where one sample can stand for several; where the Plan's sampling is adaptive.
     pub even: Option<EvenCubes>,
+    /// For how many lattice points a sample stands; where the Plan's sampling is by opacity.
+    pub strides: Option<Strides>,
     /// Whether anything is shown between two values; where the Plan's sampling is of segments.
     pub between: Option<Between>,
     /// What is shown between two values; where the Plan's sampling is integrated.
@@ -88,6 +91,7 @@ impl<'p, S: Level> Object<'p, S> {
         masks: &'p [Box<dyn Values<S> + 'p>],
         skip: Option<Skip>,
         even: Option<EvenCubes>,
+        strides: Option<Strides>,
         integrals: Option<Arc<Integrals>>,
     ) -> Object<'p, S> {
         let placed = &plan.objects[object];
@@ -102,6 +106,7 @@ impl<'p, S: Level> Object<'p, S> {
             gradients: Gradients::new(plan.gradient, &placed.grid),
             skip,
             even,
+            strides,
             between: plan
                 .sampling
                 .is_of_segments()
@@ -148,8 +153,21 @@ impl<'p, S: Level> Object<'p, S> {
     pub fn of_step(&self, opacity: F32s<S>) -> F32s<S> {
         if self.steps_per_reference == 1.0 {
             opacity
+        } else if self.steps_per_reference == 0.5 {
+            opacity_of_half(opacity)
         } else {
             self.of_one_step(opacity)
+        }
+    }
+
+    /// The opacity of as many steps as a stride has, from that of the reference length.
+    #[inline(always)]
+    pub fn of_stride(&self, opacity: F32s<S>, stride: F32s<S>) -> F32s<S> {
+        let opacity = self.of_step(opacity);
+        if self.strides.is_some() {
+            of_stride(opacity, stride)
+        } else {
+            opacity
         }
     }
 

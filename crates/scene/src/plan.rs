@@ -237,13 +237,21 @@ pub enum Sampling {
         /// early), above 0 to 0.5.
         error: f32,
     },
+    /// One sample for one, two or four lattice points in a row, as the opacity around allows; [`Classify::Table`].
+    ByOpacity {
+        /// How much of the pixel a sample for more than one may make up, above 0 to 1.
+        share: f32,
+    },
 }
 
 impl Sampling {
     /// Samples per step where something is shown.
     pub fn parts(self) -> u32 {
         match self {
-            Sampling::Regular | Sampling::Integrated | Sampling::Adaptive { .. } => 1,
+            Sampling::Regular
+            | Sampling::Integrated
+            | Sampling::Adaptive { .. }
+            | Sampling::ByOpacity { .. } => 1,
             Sampling::Refine { parts } | Sampling::Split { parts, .. } => parts,
         }
     }
@@ -268,6 +276,7 @@ impl Sampling {
             } => "split-cubic",
             Sampling::Integrated => "integrated",
             Sampling::Adaptive { .. } => "adaptive",
+            Sampling::ByOpacity { .. } => "by-opacity",
         }
     }
 }

@@ -19,6 +19,10 @@ pub struct Sampling {
     /// 0.5; default 0.01.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error: Option<f64>,
+    /// `by-opacity`: how much of a pixel (0 to 1) a sample may make up that stands for two or four lattice points, 0 to 1;
+    /// default 0.2.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub share: Option<f64>,
 }
 
 /// A rule of sampling.
@@ -37,17 +41,20 @@ pub enum SamplingRule {
     Integrated,
     /// Fewer samples where the transfer function hardly changes.
     Adaptive,
+    /// Fewer samples where they can make up only a small share of the pixel.
+    ByOpacity,
 }
 
 impl SamplingRule {
     /// Every rule.
-    pub const ALL: [SamplingRule; 6] = [
+    pub const ALL: [SamplingRule; 7] = [
         SamplingRule::Regular,
         SamplingRule::Refine,
         SamplingRule::Split,
         SamplingRule::SplitCubic,
         SamplingRule::Integrated,
         SamplingRule::Adaptive,
+        SamplingRule::ByOpacity,
     ];
 
     /// The name used in scenes.
@@ -59,13 +66,17 @@ impl SamplingRule {
             SamplingRule::SplitCubic => "split-cubic",
             SamplingRule::Integrated => "integrated",
             SamplingRule::Adaptive => "adaptive",
+            SamplingRule::ByOpacity => "by-opacity",
         }
     }
 
     /// Parts of a step unless a scene says otherwise; `None` where a step is not divided.
     fn default_parts(self) -> Option<u32> {
         match self {
-            SamplingRule::Regular | SamplingRule::Integrated | SamplingRule::Adaptive => None,
+            SamplingRule::Regular
+            | SamplingRule::Integrated
+            | SamplingRule::Adaptive
+            | SamplingRule::ByOpacity => None,
             SamplingRule::Refine => Some(8),
             // More change nothing that can be seen with smooth transfer functions.
             SamplingRule::Split | SamplingRule::SplitCubic => Some(10),
@@ -74,6 +85,8 @@ impl SamplingRule {
 }
 
 const DEFAULT_ERROR: f64 = 0.01;
+
+const DEFAULT_SHARE: f64 = 0.2;
 
 impl Sampling {
     /// With every default filled in.
@@ -88,6 +101,9 @@ impl Sampling {
             error: self
                 .error
                 .or((rule == SamplingRule::Adaptive).then_some(DEFAULT_ERROR)),
+            share: self
+                .share
+                .or((rule == SamplingRule::ByOpacity).then_some(DEFAULT_SHARE)),
         }
     }
 
@@ -115,6 +131,16 @@ impl Sampling {
         } else {
             checker.number("sampling.error", error, Within::Closed(0.0, 0.5));
         }
+        let share = self.share.unwrap_or(DEFAULT_SHARE);
+        if self.share.is_some() && rule != SamplingRule::ByOpacity {
+            checker.add(
+                "sampling.share",
+                &given_for,
+                "nothing: it belongs to by-opacity",
+            );
+        } else {
+            checker.number("sampling.share", share, Within::Closed(0.0, 1.0));
+        }
         match rule {
             SamplingRule::Regular => plan::Sampling::Regular,
             SamplingRule::Refine => plan::Sampling::Refine { parts },
@@ -131,6 +157,11 @@ impl Sampling {
             SamplingRule::Adaptive if error as f32 == 0.0 => plan::Sampling::Regular,
             SamplingRule::Adaptive => plan::Sampling::Adaptive {
                 error: error as f32,
+            },
+            // What may make up nothing is no sample: every lattice point has its own.
+            SamplingRule::ByOpacity if share as f32 == 0.0 => plan::Sampling::Regular,
+            SamplingRule::ByOpacity => plan::Sampling::ByOpacity {
+                share: share as f32,
             },
         }
     }
@@ -181,7 +212,7 @@ pub(crate) fn check_together(plan: &plan::Plan, checker: &mut Checker) {
                 );
             }
         }
-        Sampling::Integrated => {
+        Sampling::Integrated | Sampling::ByOpacity { .. } => {
             if plan.classify != Classify::Table {
                 refuse(
                     "with a classification that is no table of values",

@@ -3,8 +3,10 @@
 //! Only bricks that provably change nothing are left out; rounding is on the side of looking.
 
 mod even;
+mod opacity;
 
 pub use even::even_cubes;
+pub use opacity::most_opacity;
 
 use crate::plan::{Classify, Composite, DebugView, Fetch, Plan, PlanObject, Reconstruct};
 use crate::transfer::TransferTable;

@@ -14,6 +14,7 @@ use crate::library::composite::emission_absorption;
 use crate::library::fetch::{Fetch, Linear, Shape};
 use crate::library::reconstruct::trilinear;
 use crate::scenery::{Object, Stored};
+use crate::strides::Strides;
 use strahl_scene::plan::Composite;
 use strahl_volume::Sample;
 
@@ -75,7 +76,7 @@ impl<S: Level> Packet<'_, S> {
                     object,
                     voxels,
                     #[inline(always)]
-                    |packet, _, k, value, sampled| packet.meet(threshold, k, value, sampled),
+                    |packet, _, k, value, sampled, _| packet.meet(threshold, k, value, sampled),
                 );
                 self.hit(object, threshold);
                 walked
@@ -92,11 +93,10 @@ impl<S: Level> Packet<'_, S> {
                     object,
                     voxels,
                     #[inline(always)]
-                    |packet, _, _, value, sampled| {
-                        let mut surface = object.table.at(value);
-                        let visible = sampled & F32s::zero().lt(surface.opacity);
-                        surface.opacity = object.of_step(surface.opacity);
-                        let Surface { colour, opacity } = surface;
+                    |packet, _, _, value, sampled, stride| {
+                        let Surface { colour, opacity } = object.table.at(value);
+                        let visible = sampled & F32s::zero().lt(opacity);
+                        let opacity = object.of_stride(opacity, stride);
                         emission_absorption::add(&mut packet.state, visible, colour, opacity);
                         visible
                     },
@@ -115,10 +115,10 @@ impl<S: Level> Packet<'_, S> {
                     object,
                     voxels,
                     #[inline(always)]
-                    |packet, position, _, value, sampled| {
+                    |packet, position, _, value, sampled, stride| {
                         let opacity = object.table.opacity_at(value);
                         let visible = sampled & F32s::zero().lt(opacity);
-                        let opacity = object.of_step(opacity);
+                        let opacity = object.of_stride(opacity, stride);
                         let share = (F32s::splat(1.0) - packet.state.alpha) * opacity;
                         let share = visible.select(share, F32s::zero());
                         packet.state.alpha += share;
@@ -140,18 +140,22 @@ impl<S: Level> Packet<'_, S> {
     }
 
     /// From lattice point to lattice point, leaving out what shows nothing; `see` adds the samples at a position
-    /// and lattice point to the rays that are sampled, and says which of them they showed something for.
+    /// and lattice point to the rays that are sampled, for as many lattice points as a stride has, and says which of them
+    /// they showed something for.
     #[inline(always)]
     fn walk<T: Sample>(
         &mut self,
         object: &Object<S>,
         voxels: &Linear<T>,
-        mut see: impl FnMut(&mut Self, Vec3s<S>, F32s<S>, F32s<S>, Mask<S>) -> Mask<S>,
+        mut see: impl FnMut(&mut Self, Vec3s<S>, F32s<S>, F32s<S>, Mask<S>, F32s<S>) -> Mask<S>,
     ) -> F32s<S> {
         let (rays, line) = (self.rays, &self.rays.lines[0]);
         let one = F32s::splat(1.0);
         let shape = <Linear<T> as Fetch<S>>::shape(voxels);
         let cubes = object.skip.as_ref().and_then(|skip| skip.cubes(line));
+        let strides = object.strides.as_ref();
+        let longest = Strides::longest(line);
+        let mut last_alpha = F32s::zero();
         let mut k = F32s::zero();
         let mut live = k.lt(rays.count);
         if !live.any() {
@@ -160,13 +164,13 @@ impl<S: Level> Packet<'_, S> {
         let mut here = Points::at(shape, line.position(k + rays.jitter));
         let mut cube = cubes.as_ref().map(|cubes| cubes.at(here.cell));
         loop {
-            let mut next = live.select(k + one, k);
             let mut seeing = live;
+            let mut jumped = k;
             if let (Some(cubes), Some(cube)) = (&cubes, &mut cube) {
                 let empty = live & I32s::splat(0).lt(*cube);
                 if empty.any() {
                     let jump = cubes.points(*cube, here.cell, here.position, line);
-                    let jumped = empty.select((k + jump).min(rays.count), k);
+                    jumped = empty.select((k + jump).min(rays.count), k);
                     self.skipped += jumped - k;
                     if 2 * empty.count() > live.count() {
                         // The others wait, so that sampling happens for as many rays as possible.
@@ -179,10 +183,23 @@ impl<S: Level> Packet<'_, S> {
                         *cube = cubes.at(here.cell);
                         continue;
                     }
-                    next = empty.select(jumped, next);
                     seeing = live & !empty;
                 }
             }
+            let stride = match strides {
+                Some(strides) => {
+                    let longest = longest.min(rays.count - k);
+                    strides.at(
+                        here.cell,
+                        seeing,
+                        self.state.alpha,
+                        &mut last_alpha,
+                        longest,
+                    )
+                }
+                None => one,
+            };
+            let next = seeing.select(k + stride, jumped);
             let there = Points::at(shape, line.position(next + rays.jitter));
             let next_cube = cubes.as_ref().map(|cubes| cubes.at(there.cell));
             let part = [
@@ -194,7 +211,7 @@ impl<S: Level> Packet<'_, S> {
             self.sampled += seeing.select(one, F32s::zero());
             // What is not finite is no value.
             let sampled = seeing & value.is_finite();
-            let visible = see(self, here.position, k, value, sampled);
+            let visible = see(self, here.position, k, value, sampled, stride);
             self.visible += visible.select(one, F32s::zero());
             (k, here, cube) = (next, there, next_cube);
             live = live & k.lt(rays.count) & !self.done();

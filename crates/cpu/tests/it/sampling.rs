@@ -450,7 +450,11 @@ impl Random {
         };
         let parts = self.pick(&[2, 3, 8]);
         let is_unlit = model == "unlit";
-        plan.sampling = match self.below(if is_unlit { 6 } else { 4 }) {
+        let by_opacity = Sampling::ByOpacity {
+            share: self.pick(&[0.01, 0.1, 1.0]),
+        };
+        plan.sampling = match self.below(if is_unlit { 8 } else { 6 }) {
+            4 | 5 => by_opacity,
             0 => Sampling::Refine { parts },
             1 => linear(parts),
             2 => cubic(parts),
@@ -564,5 +568,110 @@ proptest! {
         let adaptive = draw(&volume, &sampled(&plan, Sampling::Adaptive { error: 1e-4 }));
         prop_assert!(difference(&adaptive, &regular) < 1e-5);
         prop_assert!(adaptive.stats.samples * 4 < regular.stats.samples);
+    }
+}
+
+fn by_opacity(share: f32) -> Sampling {
+    Sampling::ByOpacity { share }
+}
+
+#[test]
+fn strides_that_may_show_nothing_are_the_regular_picture() {
+    let volume = Phantom::Tree.volume([40; 3]).unwrap();
+    for model in ["unlit", "phong"] {
+        let scene = format!(r#"{{ "size": [40, 32], "shading": {{ "model": "{model}" }} }}"#);
+        let scene = Scene::parse("scene", &scene).unwrap();
+        let plan = resolve(&scene, &volume.header(), None).unwrap();
+        let regular = draw(&volume, &plan);
+        let found = draw(&volume, &sampled(&plan, by_opacity(1e-9)));
+        assert_eq!(found.image, regular.image, "{model}");
+        assert_eq!(found.stats.samples, regular.stats.samples);
+    }
+}
+
+/// Faint fog with one slice of voxels that nothing is seen through.
+#[test]
+fn strides_do_not_step_over_thin_sheets() {
+    let dims = [24, 24, 40];
+    let sample = |i: usize| if i / (24 * 24) == 21 { 200.0 } else { 100.0 };
+    let volume = of(dims, Samples::F32((0..24 * 24 * 40).map(sample).collect()));
+    let entry = |i: usize| match i {
+        0..=185 => [0.5, 0.5, 0.5, 0.01],
+        _ => [1.0, 0.0, 0.0, 0.95],
+    };
+    let table = TransferTable::new([0.0, 255.0], 1.0, (0..256).map(entry).collect());
+    let mut plan = plan(&volume, ALONG, table);
+    // The sheet is opaque over 0.28 voxels: every third step falls into it.
+    plan.lattice.step_mm = 0.09;
+    let regular = draw(&volume, &sampled(&plan, Sampling::Regular));
+    let found = draw(&volume, &sampled(&plan, by_opacity(0.1)));
+    assert!(difference(&found, &regular) < 2e-3);
+    assert!(found.stats.samples * 2 < regular.stats.samples);
+}
+
+/// In fog of one value a sample for several steps is exact.
+#[test]
+fn strides_through_fog_change_nothing() {
+    let volume = of([32; 3], Samples::F32(vec![100.0; 32 * 32 * 32]));
+    let table = TransferTable::new([0.0, 255.0], 1.0, vec![[0.3, 0.6, 0.9, 0.05]; 16]);
+    let plan = plan(&volume, OBLIQUE, table);
+    let plan = Plan {
+        lattice: strahl_scene::plan::Lattice {
+            step_mm: 0.5,
+            ..plan.lattice
+        },
+        ..plan
+    };
+    let regular = draw(&volume, &sampled(&plan, Sampling::Regular));
+    let found = draw(&volume, &sampled(&plan, by_opacity(0.11)));
+    assert!(difference(&found, &regular) < 1e-5);
+    // All but the last ones of rays stand for four.
+    assert!(found.stats.samples * 3 < regular.stats.samples);
+}
+
+/// Opaque in the middle of much fog: half the step, and longer ones in the fog.
+#[test]
+fn strides_are_nearer_to_the_truth_with_fewer_samples() {
+    let along = |i: usize| (i as f32 - 31.5) / 31.5;
+    let sample = |i: usize| {
+        let [x, y, z] = [along(i % 64), along(i / 64 % 64), along(i / 4096)];
+        255.0 * (1.0 - (x * x + y * y + z * z).sqrt()).max(0.0)
+    };
+    let volume = of(
+        [64; 3],
+        Samples::F32((0..64 * 64 * 64).map(sample).collect()),
+    );
+    let entry = |i: usize| match i {
+        0..20 => [0.0; 4],
+        20..200 => [0.5, 0.5, 0.5, 0.02],
+        _ => [1.0, 0.7, 0.2, 0.7],
+    };
+    let entries: Vec<[f32; 4]> = (0..256).map(entry).collect();
+    for model in ["unlit", "phong"] {
+        let scene = format!(r#"{{ "size": [96, 72], "shading": {{ "model": "{model}" }} }}"#);
+        let mut plan = plan(
+            &volume,
+            &scene,
+            TransferTable::new([0.0, 255.0], 1.0, entries.clone()),
+        );
+        plan.composite = Composite::EmissionAbsorption {
+            stop_at_transmittance: 1.0 / 256.0,
+        };
+        plan.lattice.step_mm = 1.0;
+        let truth = draw(&volume, &finer(&plan, 16.0));
+        let regular = draw(&volume, &plan);
+        let mut half = sampled(&plan, by_opacity(0.15));
+        half.lattice.step_mm = 0.5;
+        let found = draw(&volume, &half);
+        let (regular_error, error) = (rms(&regular, &truth), rms(&found, &truth));
+        println!(
+            "{model}: {error} with {} samples, {regular_error} with {}",
+            found.stats.samples, regular.stats.samples
+        );
+        assert!(error < 0.8 * regular_error, "{model}");
+        assert!(
+            found.stats.samples * 10 < regular.stats.samples * 9,
+            "{model}"
+        );
     }
 }

@@ -206,6 +206,18 @@ fn rules_of_sampling_say_what_they_need() {
             "it belongs to adaptive",
         ),
         (
+            r#"{ "sampling": { "rule": "by-opacity", "share": 1.5 } }"#,
+            "0 to 1",
+        ),
+        (
+            r#"{ "sampling": { "rule": "adaptive", "share": 0.1 }, "shading": { "model": "unlit" } }"#,
+            "it belongs to by-opacity",
+        ),
+        (
+            r#"{ "sampling": { "rule": "by-opacity" }, "functions": { "classify": { "module": "gradient_table" } } }"#,
+            "a transfer function of the value",
+        ),
+        (
             r#"{ "sampling": { "error": 0.6 }, "shading": { "model": "unlit" } }"#,
             "0 to 0.5",
         ),

@@ -365,9 +365,10 @@ fn scene(n: Number) -> BoxedStrategy<Scene> {
                     step_mm,
                     step_voxels,
                     sampling: frames.map(|n| Sampling {
-                        rule: Some(SamplingRule::ALL[n as usize % 5]),
+                        rule: Some(SamplingRule::ALL[n as usize % SamplingRule::ALL.len()]),
                         parts: (n % 3 == 0).then_some(n),
                         error: blend.filter(|_| n % 2 == 0),
+                        share: blend.filter(|_| n % 5 == 0),
                     }),
                     jitter,
                     early_termination,

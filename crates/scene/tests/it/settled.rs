@@ -237,6 +237,14 @@ fn rules_of_sampling() {
         sampling(r#"{ "rule": "adaptive" }"#),
         plan::Sampling::Adaptive { error: 0.01 }
     );
+    assert_eq!(
+        sampling(r#"{ "rule": "by-opacity" }"#),
+        plan::Sampling::ByOpacity { share: 0.2 }
+    );
+    assert_eq!(
+        sampling(r#"{ "rule": "by-opacity", "share": 0 }"#),
+        plan::Sampling::Regular
+    );
     // What may not differ is the regular picture.
     assert_eq!(sampling(r#"{ "error": 0 }"#), plan::Sampling::Regular);
 }
