@@ -642,8 +642,7 @@ fn strides_are_nearer_to_the_truth_with_fewer_samples() {
         Samples::F32((0..64 * 64 * 64).map(sample).collect()),
     );
     let entry = |i: usize| match i {
-        0..20 => [0.0; 4],
-        20..200 => [0.5, 0.5, 0.5, 0.02],
+        0..200 => [0.5, 0.5, 0.5, 0.02 * (i as f32 / 200.0)],
         _ => [1.0, 0.7, 0.2, 0.7],
     };
     let entries: Vec<[f32; 4]> = (0..256).map(entry).collect();
