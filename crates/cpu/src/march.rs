@@ -79,7 +79,11 @@ impl<S: Level> Scenery<'_, S> {
             skipped: F32s::zero(),
         };
         let walked = match (self.objects.as_slice(), self.plan.composite) {
-            ([object], _) if self.plan.sampling != Sampling::Regular => packet.otherwise(object),
+            ([object], Composite::EmissionAbsorption { .. })
+                if self.plan.sampling != Sampling::Regular =>
+            {
+                packet.otherwise(object)
+            }
             ([object], Composite::BackToFront) => packet.backwards(object),
             ([object], Composite::EmissionAbsorption { .. } | Composite::FirstHit { .. }) => {
                 match object.stored_for(self.plan.composite, &self.shading) {
@@ -97,6 +101,13 @@ impl<S: Level> Scenery<'_, S> {
             (_, Composite::BackToFront) => packet.backwards_through_several(),
             _ => packet.forwards_through_several(),
         };
+        if let ([object], Sampling::Refine { parts }, Composite::Mip | Composite::MinIp) = (
+            self.objects.as_slice(),
+            self.plan.sampling,
+            self.plan.composite,
+        ) {
+            packet.refine_projection(object, parts);
+        }
         let in_volume = F32s::zero().lt(rays.count);
         counts.points += sum(rays.count);
         counts.samples += sum(packet.sampled);

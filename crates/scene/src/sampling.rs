@@ -178,10 +178,13 @@ pub(crate) fn check_together(plan: &plan::Plan, checker: &mut Checker) {
         let rule = format!("{:?} {what}", plan.sampling.name());
         checker.add("sampling.rule", rule, &allowed);
     };
-    if !matches!(plan.composite, Composite::EmissionAbsorption { .. }) {
+    let projects = matches!(plan.composite, Composite::Mip | Composite::MinIp);
+    let refines = matches!(plan.sampling, Sampling::Refine { .. });
+    let adds = matches!(plan.composite, Composite::EmissionAbsorption { .. });
+    if !adds && !(projects && refines) {
         refuse(
             "with a method that looks at lattice points",
-            "method emission-absorption",
+            "method emission-absorption, or rule \"refine\" with mip or minip",
         );
     }
     if plan.objects.len() > 1 {
@@ -197,7 +200,7 @@ pub(crate) fn check_together(plan: &plan::Plan, checker: &mut Checker) {
     match plan.sampling {
         Sampling::Regular => {}
         Sampling::Refine { .. } => {
-            if plan.classify == Classify::PreClassified {
+            if adds && plan.classify == Classify::PreClassified {
                 refuse(
                     "with voxels that are classified before they are interpolated",
                     "classification by the value of the sample",

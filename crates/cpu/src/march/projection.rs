@@ -10,6 +10,7 @@ use crate::levels::{Level, vectorized};
 use crate::ray::Line;
 use crate::scenery::Object;
 use crate::skip::Bounds;
+use strahl_scene::plan::Composite;
 
 /// Runs that are looked at together.
 const RUNS: usize = 128;
@@ -103,6 +104,46 @@ impl<S: Level> Packet<'_, S> {
         }
         if bounds.is_negative() {
             self.state.value = -self.state.value;
+        }
+    }
+
+    /// Looks around the largest or smallest value of each ray for one beyond it: half a step to either side, then a
+    /// quarter, down to one of `parts`.
+    #[inline(never)]
+    pub(super) fn refine_projection(&mut self, object: &Object<S>, parts: u32) {
+        vectorized::<S, _>(
+            #[inline(always)]
+            || self.refine_projection_here(object, parts),
+        );
+    }
+
+    #[inline(always)]
+    fn refine_projection_here(&mut self, object: &Object<S>, parts: u32) {
+        let (rays, line) = (self.rays, &self.rays.lines[0]);
+        let found = F32s::zero().lt(self.state.number);
+        if !found.any() {
+            return;
+        }
+        let is_least = self.scenery.plan.composite == Composite::MinIp;
+        let last = rays.count - F32s::splat(1.0) + rays.jitter;
+        let mut by = 0.5;
+        while by * parts as f32 >= 1.0 {
+            for by in [-by, by] {
+                let place = self.state.place + F32s::splat(by);
+                let on_ray = found & F32s::zero().le(place) & place.le(last);
+                let position = line.position(place);
+                let sampled = object.clips.keep(position, on_ray);
+                let value = self.value(object, position, sampled);
+                let (a, b) = if is_least {
+                    (value, self.state.value)
+                } else {
+                    (self.state.value, value)
+                };
+                let better = sampled & value.is_finite() & a.lt(b);
+                self.state.value = better.select(value, self.state.value);
+                self.state.place = better.select(place, self.state.place);
+            }
+            by *= 0.5;
         }
     }
 
