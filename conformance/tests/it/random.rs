@@ -232,10 +232,13 @@ impl Random {
 
     /// Any rule of sampling that `plan` may have.
     pub fn sampling(&mut self, plan: &Plan) -> Sampling {
+        let parts = self.pick(&[1, 2, 3, 8]);
+        if matches!(plan.composite, Composite::Mip | Composite::MinIp) && self.once_in(2) {
+            return Sampling::Refine { parts };
+        }
         if !matches!(plan.composite, Composite::EmissionAbsorption { .. }) {
             return Sampling::Regular;
         }
-        let parts = self.pick(&[1, 2, 3, 8]);
         let curve = self.pick(&[Curve::Linear, Curve::Cubic]);
         let of_table = plan.classify == Classify::Table && self.once_in(3);
         if of_table && self.once_in(2) {

@@ -75,7 +75,13 @@ impl<S: Level> Cubes<'_, S> {
 /// The number of the brick that each cell lies in, of `dims` bricks along the axes.
 #[inline(always)]
 pub fn brick_number<S: Level>(dims: [i32; 3], cell: [I32s<S>; 3]) -> I32s<S> {
-    let brick = each!(cell, |c| c.shifted_down(Skip::SHIFT));
+    brick_number_of(dims, Skip::SHIFT, cell)
+}
+
+/// The same for bricks of 2^`shift` cells along the edge.
+#[inline(always)]
+fn brick_number_of<S: Level>(dims: [i32; 3], shift: u32, cell: [I32s<S>; 3]) -> I32s<S> {
+    let brick = each!(cell, |c| c.shifted_down(shift));
     let slice = dims[0] * dims[1];
     brick[0] + brick[1] * I32s::splat(dims[0]) + brick[2] * I32s::splat(slice)
 }
@@ -98,11 +104,14 @@ pub fn points_to_face<S: Level>(
     points.max(F32s::zero()).to_i32s().to_f32s() + F32s::splat(1.0)
 }
 
-/// Upper bounds of the values, or of the values' negatives, in all blocks of 2³ bricks.
+/// Upper bounds of the values, or of the values' negatives, in all blocks of 2³ bricks. The bricks are those of the volume,
+/// or, in large volumes, as many of them as it takes for the bounds to fit the cache.
 #[derive(Clone)]
 pub struct Bounds {
     /// Number of bricks along each axis.
     dims: [i32; 3],
+    /// Of a cell's number, to that of its brick.
+    shift: u32,
     /// For each brick as the lowest of a block: the upper half of the bound's bits, rounded up, which half
     /// the cache holds. One number more, so that a word can be read anywhere.
     largest: Arc<Vec<u16>>,
@@ -111,7 +120,13 @@ pub struct Bounds {
 
 impl Bounds {
     /// From those of single bricks.
-    fn new(dims: [usize; 3], of_bricks: &[f32], is_negative: bool) -> Bounds {
+    fn new(mut dims: [usize; 3], mut of_bricks: Vec<f32>, is_negative: bool) -> Bounds {
+        let mut shift = Skip::SHIFT;
+        while dims.iter().any(|&n| n > MOST_BRICKS) {
+            of_bricks = largest_of_eight(dims, &of_bricks);
+            dims = dims.map(|n| n.div_ceil(2));
+            shift += 1;
+        }
         let (row, slice) = (dims[0], dims[0] * dims[1]);
         let mut largest = vec![0; of_bricks.len() + 1];
         let blocks = largest[..of_bricks.len()].par_chunks_exact_mut(slice);
@@ -133,6 +148,7 @@ impl Bounds {
         });
         Bounds {
             dims: dims.map(|n| n as i32),
+            shift,
             largest: Arc::new(largest),
             is_negative,
         }
@@ -152,7 +168,7 @@ impl Bounds {
         let longest = (0..LANES).fold(0.0, |longest, lane| steps.lane(lane).max(longest));
         // From the first to the last less than the edge of a brick: positions are off by an eighth of a
         // voxel at the most.
-        ((Skip::EDGE as f32 - 0.25) / longest)
+        (((1 << self.shift) as f32 - 0.25) / longest)
             .min(MOST_POINTS - 1.0)
             .floor()
             + 1.0
@@ -168,12 +184,34 @@ impl Bounds {
             first[2].min(last[2]),
         ];
         let cell = shape.cell(shape.clamp(lowest));
-        let index = brick_number(self.dims, cell);
+        let index = brick_number_of(self.dims, self.shift, cell);
         // SAFETY: the cell lies in the volume, and so does its brick; there is one number behind the last.
         let words = unsafe { words(bytemuck::cast_slice(&self.largest), index.shifted_up(1)) };
         words.shifted_up(16).as_bits()
     }
 }
+
+/// The largest number of each 2³ bricks.
+fn largest_of_eight(dims: [usize; 3], of_bricks: &[f32]) -> Vec<f32> {
+    let half = dims.map(|n| n.div_ceil(2));
+    let mut largest = vec![f32::NEG_INFINITY; half.iter().product()];
+    let slices = largest.par_chunks_exact_mut(half[0] * half[1]);
+    slices.enumerate().for_each(|(z, slice)| {
+        for z in 2 * z..(2 * z + 2).min(dims[2]) {
+            for y in 0..dims[1] {
+                let row = &of_bricks[dims[0] * (y + dims[1] * z)..][..dims[0]];
+                let to = &mut slice[half[0] * (y / 2)..][..half[0]];
+                for (to, pair) in to.iter_mut().zip(row.chunks(2)) {
+                    *to = pair.iter().fold(*to, |most, value| most.max(*value));
+                }
+            }
+        }
+    });
+    largest
+}
+
+/// The most bricks along an axis of [`Bounds`].
+const MOST_BRICKS: usize = 128;
 
 /// Each number or `other`, whichever is larger.
 fn larger(numbers: &mut [f32], other: &[f32]) {
@@ -255,7 +293,7 @@ impl Recent {
 impl Found {
     fn new(of: Asked, bricks: &Bricks, plan: &Plan, object: usize) -> Found {
         let bounds = |largest: Vec<f32>, is_negative| {
-            Knowledge::Bounds(Bounds::new(bricks.dims(), &largest, is_negative))
+            Knowledge::Bounds(Bounds::new(bricks.dims(), largest, is_negative))
         };
         let mut visible = Vec::new();
         // Words are gathered at 32-bit offsets.
@@ -465,7 +503,7 @@ mod tests {
             let [nx, ny, nz] = dims;
             let numbers = numbers[..nx * ny * nz].iter().map(|n| if n.is_nan() { 0.0 } else { *n });
             let numbers: Vec<f32> = numbers.collect();
-            let bounds = Bounds::new(dims, &numbers, false);
+            let bounds = Bounds::new(dims, numbers.clone(), false);
             for (i, &found) in bounds.largest[..numbers.len()].iter().enumerate() {
                 let place = [i % nx, i / nx % ny, i / (nx * ny)];
                 let mut largest = f32::NEG_INFINITY;
@@ -478,6 +516,23 @@ mod tests {
                 let by = 0.01 * largest.abs() + f32::MIN_POSITIVE;
                 prop_assert!(found - by <= largest || found.is_infinite() && largest > 3.3e38);
             }
+        }
+
+        #[test]
+        fn eight_bricks_are_one_with_the_largest(
+            dims in [1usize..7, 1usize..7, 1usize..7],
+            numbers in proptest::collection::vec(-9f32..9.0, 216),
+        ) {
+            let [nx, ny, nz] = dims;
+            let joined = largest_of_eight(dims, &numbers[..nx * ny * nz]);
+            let half = dims.map(|n| n.div_ceil(2));
+            let mut largest = vec![f32::NEG_INFINITY; half.iter().product()];
+            for (i, number) in numbers[..nx * ny * nz].iter().enumerate() {
+                let at = [i % nx / 2, i / nx % ny / 2, i / (nx * ny) / 2];
+                let to = &mut largest[at[0] + half[0] * (at[1] + half[1] * at[2])];
+                *to = to.max(*number);
+            }
+            prop_assert_eq!(joined, largest);
         }
 
         #[test]

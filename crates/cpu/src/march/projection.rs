@@ -125,7 +125,9 @@ impl<S: Level> Packet<'_, S> {
             return;
         }
         let is_least = self.scenery.plan.composite == Composite::MinIp;
-        let last = rays.count - F32s::splat(1.0) + rays.jitter;
+        // Where the ray leaves.
+        let tail = rays.tail * F32s::splat(1.0 / parts as f32);
+        let last = rays.count - F32s::splat(1.0) + rays.jitter + tail;
         let mut by = 0.5;
         while by * parts as f32 >= 1.0 {
             for by in [-by, by] {

@@ -674,3 +674,76 @@ fn strides_are_nearer_to_the_truth_with_fewer_samples() {
         );
     }
 }
+
+/// Long enough for bounds of more than a brick.
+#[test]
+fn projections_of_long_volumes_have_the_same_bytes_with_skipping() {
+    let along = [
+        ("left", 0, [1201, 3, 5]),
+        ("front", 1, [4, 700, 6]),
+        ("top", 2, [7, 2, 530]),
+    ];
+    for (view, axis, dims) in along {
+        let mut random = Random(dims[0] as u64);
+        let number: usize = dims.iter().product();
+        let stride: usize = dims[..axis].iter().product();
+        // Noise about three levels along the long axis, three times.
+        let mut sample = |i: usize| {
+            let along = 9 * (i / stride % dims[axis]) / dims[axis];
+            (100 * (along % 3) + random.below(50)) as u8
+        };
+        let samples = (0..number).map(&mut sample).collect();
+        let volume = of(dims, Samples::U8(samples));
+        for method in ["mip", "minip"] {
+            for rule in ["regular", "refine"] {
+                let scene = format!(
+                    r#"{{ "size": [64, 48], "method": "{method}", "sampling": {{ "rule": "{rule}" }},
+                        "camera": {{ "view": "{view}", "azimuth_deg": 0.1, "elevation_deg": 0.1, "zoom": 50 }} }}"#
+                );
+                let scene = Scene::parse("scene", &scene).unwrap();
+                let plan = resolve(&scene, &volume.header(), None).unwrap();
+                let renderer = Renderer::new(&volume);
+                let all = Options {
+                    skip: false,
+                    ..Options::default()
+                };
+                let found = draw_with(&renderer, &plan, &Options::default());
+                let expected = draw_with(&renderer, &plan, &all);
+                assert_eq!(found.image, expected.image, "{dims:?}, {method}, {rule}");
+                assert!(found.stats.samples < expected.stats.samples);
+            }
+        }
+    }
+}
+
+/// Refined projections are nearer to those of shorter steps, and never on the other side of the regular ones.
+#[test]
+fn refined_projections_are_nearer_to_the_truth() {
+    let volume = Random(5).wave();
+    for (method, sign) in [("mip", 1.0), ("minip", -1.0)] {
+        let scene = format!(
+            r#"{{ "size": [48, 40], "method": "{method}", "step_voxels": 2, "shading": {{ "model": "unlit" }},
+                "background": "transparent", "camera": {{ "azimuth_deg": 25, "elevation_deg": 40, "zoom": 3 }} }}"#
+        );
+        let scene = Scene::parse("scene", &scene).unwrap();
+        let mut plan = resolve(&scene, &volume.header(), None).unwrap();
+        let [lo, hi] = volume.statistics().range;
+        // The value itself, as opaque grey.
+        let table = TransferTable::new(
+            [lo as f32, hi as f32],
+            1.0,
+            vec![[0.0, 0.0, 0.0, 1.0], [1.0, 1.0, 1.0, 1.0]],
+        );
+        plan.objects[0].table = table;
+        let truth = draw(&volume, &finer(&plan, 32.0));
+        let regular = draw(&volume, &plan);
+        let refined = draw(&volume, &sampled(&plan, Sampling::Refine { parts: 8 }));
+        let pairs = regular.image.pixels().iter().zip(refined.image.pixels());
+        let further = pairs.filter(|(a, b)| sign * (b[0] - a[0]) > 0.0).count();
+        let back = regular.image.pixels().iter().zip(refined.image.pixels());
+        assert!(back.into_iter().all(|(a, b)| sign * (b[0] - a[0]) >= 0.0));
+        let (regular_error, error) = (rms(&regular, &truth), rms(&refined, &truth));
+        println!("{method}: {regular_error}, refined {error}, {further} pixels changed");
+        assert!(error < 0.5 * regular_error, "{method}");
+    }
+}

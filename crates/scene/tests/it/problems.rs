@@ -226,8 +226,8 @@ fn rules_of_sampling_say_what_they_need() {
             "sampling.rule is \"adaptive\" with shading",
         ),
         (
-            r#"{ "sampling": { "rule": "refine" }, "method": "mip" }"#,
-            "method emission-absorption",
+            r#"{ "sampling": { "rule": "split" }, "method": "mip" }"#,
+            "method emission-absorption, or rule \"refine\" with mip or minip",
         ),
         (
             r#"{ "sampling": { "rule": "split" }, "functions": { "classify": { "module": "gradient_table" } } }"#,
