@@ -94,15 +94,15 @@ pub fn run(root: &Path, arguments: &Arguments) -> Result<bool> {
     let mut body = peers.times(arguments, &names, &modes)?;
     println!("{body}");
     if !arguments.no_errors {
-        let (errors, finer) = peers.errors(&names, &modes)?;
+        let (errors, others) = peers.errors(&names, &modes)?;
         println!("{errors}");
         body += "\n";
         body += &errors;
-        if !finer.is_empty() {
-            let equal = peers.times_at_equal_error(arguments, &finer)?;
-            println!("{equal}");
+        if !others.is_empty() {
+            let times = peers.times_otherwise(arguments, &others)?;
+            println!("{times}");
             body += "\n";
-            body += &equal;
+            body += &times;
         }
     }
     let title = "The processor beside VTK";
@@ -131,16 +131,64 @@ fn python_with_vtk(root: &Path) -> Result<PathBuf> {
     )
 }
 
-/// Where Strahl's error at the timed step is above VTK's, and the longest step at which it is not.
-struct Finer<'a> {
+/// Another way to sample than once per voxel.
+#[derive(Clone, Copy)]
+struct Sampling {
+    /// In voxels.
+    step: f64,
+    /// The key of a scene; empty for a sample at every step.
+    rule: &'static str,
+    /// What tables call it.
+    title: &'static str,
+}
+
+/// A case sampled otherwise, and what VTK's and Strahl's errors are then.
+struct Otherwise<'a> {
     case: &'a str,
     mode: &'a str,
-    step: f64,
+    sampling: Sampling,
     errors: [f64; 2],
 }
 
-/// Steps in voxels that are tried, the longest first.
-const STEPS: [f64; 5] = [0.9, 0.8, 0.7, 0.6, 0.5];
+const ONE_VOXEL: Sampling = Sampling {
+    step: 1.0,
+    rule: "",
+    title: "1 voxel",
+};
+
+/// Shorter steps, the longest first.
+const SHORTER: [Sampling; 5] = [
+    shorter(0.9, "0.9 voxel"),
+    shorter(0.8, "0.8 voxel"),
+    shorter(0.7, "0.7 voxel"),
+    shorter(0.6, "0.6 voxel"),
+    shorter(0.5, "0.5 voxel"),
+];
+
+const fn shorter(step: f64, title: &'static str) -> Sampling {
+    Sampling {
+        step,
+        rule: "",
+        title,
+    }
+}
+
+/// The rule of sampling that suits a mode.
+fn rule_of(mode: &str) -> Option<Sampling> {
+    match mode {
+        "unshaded" | "shaded" => Some(Sampling {
+            step: 0.5,
+            rule: r#"{ "rule": "by-opacity" }"#,
+            title: "`by-opacity`, 0.5 to 2 voxels",
+        }),
+        "mip" => Some(Sampling {
+            step: 1.0,
+            rule: r#"{ "rule": "refine" }"#,
+            title: "`refine`, 1 voxel",
+        }),
+        _ => None,
+    }
+}
 
 /// Both renderers, ready to run.
 struct Peers {
@@ -174,9 +222,13 @@ impl Peers {
         command
     }
 
-    fn strahl(&self, case: &str, mode: &str) -> Command {
+    fn strahl(&self, case: &str, mode: &str, sampling: Sampling) -> Command {
         let mut command = Command::new(&self.strahl);
         command.args([format!("case={case}"), format!("mode={mode}")]);
+        command.arg(format!("step={}", sampling.step));
+        if !sampling.rule.is_empty() {
+            command.arg(format!("sampling={}", sampling.rule));
+        }
         // The folder of scans was found by the rules that the example has, too.
         command
     }
@@ -200,7 +252,7 @@ impl Peers {
                 let mut medians = Vec::new();
                 for threads in &arguments.threads {
                     let [vtk, strahl] =
-                        self.in_turns(arguments, case, mode, *threads, 1.0, |line| {
+                        self.in_turns(arguments, case, mode, *threads, ONE_VOXEL, |line| {
                             version = line["renderer"].as_str().unwrap_or("VTK").to_owned();
                             window.push(number(line, "window_s")?);
                             Ok(())
@@ -245,14 +297,14 @@ impl Peers {
         Ok(text)
     }
 
-    /// The seconds of VTK and of Strahl in turns, the latter with a `step`; `look` gets what VTK has printed.
+    /// The seconds of VTK and of Strahl in turns, the latter with a `sampling`; `look` gets what VTK has printed.
     fn in_turns(
         &self,
         arguments: &Arguments,
         case: &str,
         mode: &str,
         threads: u32,
-        step: f64,
+        sampling: Sampling,
         mut look: impl FnMut(&Value) -> Result<()>,
     ) -> Result<[Seconds; 2]> {
         let (mut vtk, mut strahl) = (Seconds::default(), Seconds::default());
@@ -267,9 +319,9 @@ impl Peers {
                     look(&line)?;
                     vtk.add(&line)?;
                 } else {
-                    let mut command = self.strahl(case, mode);
+                    let mut command = self.strahl(case, mode, sampling);
                     command.arg(format!("frames={}", arguments.frames));
-                    command.args([format!("threads={threads}"), format!("step={step}")]);
+                    command.arg(format!("threads={threads}"));
                     strahl.add(&only_line(&mut command)?)?;
                 }
             }
@@ -277,33 +329,33 @@ impl Peers {
         Ok([vtk, strahl])
     }
 
-    /// The table of times where Strahl takes a shorter step, so that its error is no larger than VTK's.
-    fn times_at_equal_error(&self, arguments: &Arguments, finer: &[Finer]) -> Result<String> {
+    /// The table of times where Strahl samples otherwise than once per voxel.
+    fn times_otherwise(&self, arguments: &Arguments, others: &[Otherwise]) -> Result<String> {
         let mut table = Table::new(&[
             "case",
+            "Strahl's sampling",
             "VTK's error",
             "Strahl's",
-            "its step",
             "threads",
             "VTK",
             "Strahl",
             "ratio",
         ]);
         let threads = arguments.threads.iter().copied().max().unwrap_or(1);
-        for Finer {
+        for Otherwise {
             case,
             mode,
-            step,
+            sampling,
             errors,
-        } in finer
+        } in others
         {
-            let [vtk, strahl] = self.in_turns(arguments, case, mode, threads, *step, |_| Ok(()))?;
-            let (theirs, ours) = (median(&vtk.frames), median(&strahl.frames));
+            let seconds = self.in_turns(arguments, case, mode, threads, *sampling, |_| Ok(()))?;
+            let [theirs, ours] = seconds.map(|seconds| median(&seconds.frames));
             table.row(&[
                 format!("{case}, {}", title(mode)),
+                sampling.title.to_owned(),
                 format!("{:.2}", errors[0]),
                 format!("{:.2}", errors[1]),
-                format!("{step} voxel"),
                 threads.to_string(),
                 milliseconds(theirs),
                 milliseconds(ours),
@@ -311,16 +363,19 @@ impl Peers {
             ]);
         }
         Ok(format!(
-            "Where Strahl's error is the larger one, times again with the longest of the steps 0.9, 0.8 … 0.5 voxel at which it is not; \
-             VTK's step stays one voxel.\n\n{}",
+            "The same with the rule of `sampling` that suits the mode, and, where Strahl's error at one voxel is above VTK's, with the \
+             longest of the steps 0.9, 0.8 … 0.5 voxel at which it is not. VTK's step stays one voxel.\n\n{}",
             table.text
         ))
     }
 
-    /// The table of errors: one frame, against the same renderer with a finer step; and where Strahl's is the
-    /// larger one.
-    fn errors<'a>(&self, cases: &[&'a str], modes: &[&'a str]) -> Result<(String, Vec<Finer<'a>>)> {
-        let mut all_finer = Vec::new();
+    /// The table of errors: one frame, against the same renderer with a finer step; and those of other ways to sample.
+    fn errors<'a>(
+        &self,
+        cases: &[&'a str],
+        modes: &[&'a str],
+    ) -> Result<(String, Vec<Otherwise<'a>>)> {
+        let mut others = Vec::new();
         let mut table = Table::new(&[
             "case",
             "VTK",
@@ -340,43 +395,49 @@ impl Peers {
                     only_line(command.arg(&path))?;
                     Picture::from_bytes(&path)
                 };
-                let strahl = |step: f64, compositing: &str| {
+                let strahl = |sampling: Sampling, compositing: &str| {
                     let path = self.scratch.join("strahl.raw");
-                    let mut command = self.strahl(case, drawn);
-                    command.args(["frames=1".to_owned(), format!("step={step}")]);
+                    let mut command = self.strahl(case, drawn, sampling);
+                    command.arg("frames=1");
                     command.arg(format!("compositing={compositing}"));
                     command.arg(format!("raw={}", path.display()));
                     only_line(&mut command)?;
                     Picture::from_linear(&path)
                 };
-                let fine = 1.0 / CONVERGED;
-                let (theirs, ours) = (vtk(fine)?, strahl(fine, "display")?);
+                let fine = Sampling {
+                    step: 1.0 / CONVERGED,
+                    ..ONE_VOXEL
+                };
+                let (theirs, ours) = (vtk(fine.step)?, strahl(fine, "display")?);
                 let linear = strahl(fine, "linear")?;
                 let of_vtk = vtk(1.0)?.difference(&theirs)?;
-                let of_strahl = strahl(1.0, "display")?.difference(&ours)?;
+                let of_strahl = strahl(ONE_VOXEL, "display")?.difference(&ours)?;
+                let error =
+                    |sampling| anyhow::Ok(strahl(sampling, "display")?.difference(&ours)?.rms);
+                let mut add = |sampling, rms| {
+                    others.push(Otherwise {
+                        case,
+                        mode,
+                        sampling,
+                        errors: [of_vtk.rms, rms],
+                    });
+                };
+                if let Some(sampling) = rule_of(mode) {
+                    add(sampling, error(sampling)?);
+                }
                 if of_strahl.rms > of_vtk.rms {
-                    let mut finer = None;
-                    for step in &STEPS {
-                        let rms = strahl(*step, "display")?.difference(&ours)?.rms;
+                    for sampling in SHORTER {
+                        let rms = error(sampling)?;
                         if rms <= of_vtk.rms {
-                            finer = Some((*step, rms));
+                            add(sampling, rms);
                             break;
                         }
-                    }
-                    if let Some((step, rms)) = finer {
-                        let errors = [of_vtk.rms, rms];
-                        all_finer.push(Finer {
-                            case,
-                            mode,
-                            step,
-                            errors,
-                        });
                     }
                 }
                 let row = [
                     of_vtk,
                     of_strahl,
-                    strahl(1.0, "linear")?.difference(&linear)?,
+                    strahl(ONE_VOXEL, "linear")?.difference(&linear)?,
                     theirs.difference(&ours)?,
                 ]
                 .map(|Difference { rms, max }| format!("{rms:.2} / {max}"));
@@ -399,7 +460,7 @@ impl Peers {
              nor are its normals, of 13 bits, at any step. The last column shows that both draw the same thing.\n\n{}",
             table.text
         );
-        Ok((text, all_finer))
+        Ok((text, others))
     }
 }
 
