@@ -53,20 +53,26 @@ impl Strides {
         fits(four).select(four, fits(two).select(two, one))
     }
 
-    /// The strides of samples in `cell`, at most `longest`, where they are `sampled`; anything elsewhere. `alpha` is that
-    /// of the pixel in front of them, `last` the one in front of the sample before, of which it becomes that of this
-    /// one: the loop need not wait for what the last sample was. (Alpha only grows: it is a bound as well.)
+    /// How opaque a step can be around each cell, in 255ths; 0 where nothing is shown.
+    #[inline(always)]
+    pub fn most_opacity<S: Level>(&self, cell: [I32s<S>; 3]) -> I32s<S> {
+        self.most_opacity.at(cell)
+    }
+
+    /// The strides of samples with such a `most` opacity around, at most `longest`, where they are `sampled`; anything
+    /// elsewhere. `alpha` is that of the pixel in front of them, `last` the one in front of the sample before, of which
+    /// it becomes that of this one: the loop need not wait for what the last sample was. (Alpha only grows: it is a bound
+    /// as well.)
     #[inline(always)]
     pub fn at<S: Level>(
         &self,
-        cell: [I32s<S>; 3],
+        most: I32s<S>,
         sampled: Mask<S>,
         alpha: F32s<S>,
         last: &mut F32s<S>,
         longest: F32s<S>,
     ) -> F32s<S> {
         let (one, two, four) = (F32s::splat(1.0), F32s::splat(2.0), F32s::splat(4.0));
-        let most = self.most_opacity.at(cell);
         // Elsewhere no sample stands for anything, and skipping may leave it out: the next lattice point may be seen.
         let shows = I32s::splat(0).lt(most);
         let share = most.to_f32s() * (one - *last);

@@ -37,7 +37,13 @@ impl<S: Level> Packet<'_, S> {
             }
             let cell = shape.cell(shape.clamp(position));
             let longest = longest.min(rays.count - k);
-            let stride = strides.at(cell, live, self.state.alpha, &mut last_alpha, longest);
+            let stride = strides.at(
+                strides.most_opacity(cell),
+                live,
+                self.state.alpha,
+                &mut last_alpha,
+                longest,
+            );
             let sampled = object.clips.keep(position, live);
             if sampled.any() {
                 let value = self.value(object, position, sampled);

@@ -8,7 +8,7 @@
 
 use super::Packet;
 use crate::lanes::{F32s, I32s, LANES, Mask, Vec3s, each, lanes, rows, to_rows};
-use crate::levels::{Level, vectorized};
+use crate::levels::{Level, inlined, vectorized};
 use crate::library::classify::Surface;
 use crate::library::composite::emission_absorption;
 use crate::library::fetch::{Fetch, Linear, Shape};
@@ -162,14 +162,30 @@ impl<S: Level> Packet<'_, S> {
             return k;
         }
         let mut here = Points::at(shape, line.position(k + rays.jitter));
-        let mut cube = cubes.as_ref().map(|cubes| cubes.at(here.cell));
+        // How opaque the bricks around are, if there are strides, which says as well where nothing is shown.
+        let known = inlined(
+            #[inline(always)]
+            |cell: [I32s<S>; 3]| match (strides, &cubes) {
+                (Some(strides), _) => strides.most_opacity(cell),
+                (None, Some(cubes)) => cubes.at(cell),
+                (None, None) => I32s::splat(0),
+            },
+        );
+        let mut known_here = known(here.cell);
         loop {
             let mut seeing = live;
             let mut jumped = k;
-            if let (Some(cubes), Some(cube)) = (&cubes, &mut cube) {
-                let empty = live & I32s::splat(0).lt(*cube);
+            if let Some(cubes) = &cubes {
+                let empty = match strides {
+                    Some(_) => live & known_here.lt(I32s::splat(1)),
+                    None => live & I32s::splat(0).lt(known_here),
+                };
                 if empty.any() {
-                    let jump = cubes.points(*cube, here.cell, here.position, line);
+                    let cube = match strides {
+                        Some(_) => cubes.at(here.cell),
+                        None => known_here,
+                    };
+                    let jump = cubes.points(cube, here.cell, here.position, line);
                     jumped = empty.select((k + jump).min(rays.count), k);
                     self.skipped += jumped - k;
                     if 2 * empty.count() > live.count() {
@@ -180,7 +196,7 @@ impl<S: Level> Packet<'_, S> {
                             break;
                         }
                         here = Points::at(shape, line.position(k + rays.jitter));
-                        *cube = cubes.at(here.cell);
+                        known_here = known(here.cell);
                         continue;
                     }
                     seeing = live & !empty;
@@ -188,20 +204,14 @@ impl<S: Level> Packet<'_, S> {
             }
             let stride = match strides {
                 Some(strides) => {
-                    let longest = longest.min(rays.count - k);
-                    strides.at(
-                        here.cell,
-                        seeing,
-                        self.state.alpha,
-                        &mut last_alpha,
-                        longest,
-                    )
+                    let (alpha, longest) = (self.state.alpha, longest.min(rays.count - k));
+                    strides.at(known_here, seeing, alpha, &mut last_alpha, longest)
                 }
                 None => one,
             };
             let next = seeing.select(k + stride, jumped);
             let there = Points::at(shape, line.position(next + rays.jitter));
-            let next_cube = cubes.as_ref().map(|cubes| cubes.at(there.cell));
+            let known_there = known(there.cell);
             let part = [
                 here.clamped[0] - here.cell[0].to_f32s(),
                 here.clamped[1] - here.cell[1].to_f32s(),
@@ -213,7 +223,7 @@ impl<S: Level> Packet<'_, S> {
             let sampled = seeing & value.is_finite();
             let visible = see(self, here.position, k, value, sampled, stride);
             self.visible += visible.select(one, F32s::zero());
-            (k, here, cube) = (next, there, next_cube);
+            (k, here, known_here) = (next, there, known_there);
             live = live & k.lt(rays.count) & !self.done();
             if !live.any() {
                 break;
