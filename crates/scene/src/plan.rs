@@ -211,12 +211,13 @@ pub enum Jitter {
 }
 
 /// Which points of a ray are looked at (`docs/plan.md` says exactly which). All but `Regular` come with
-/// [`Composite::EmissionAbsorption`] and one object only.
+/// [`Composite::EmissionAbsorption`] and one object only; `Refine` with [`Composite::Mip`] and [`Composite::MinIp`], too.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Sampling {
     /// One sample at every lattice point.
     Regular,
-    /// `parts` samples per step where the transfer function shows something between the values at both ends.
+    /// `parts` samples per step where the transfer function shows something between the values at both ends. Of a
+    /// projection: a look around its value, down to one of `parts` of a step.
     Refine {
         /// 1 to 64.
         parts: u32,

@@ -5,7 +5,8 @@ use crate::problem::{Checker, Within};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Which points of a ray are looked at. Everything but `regular` is for method `emission-absorption` and one volume.
+/// Which points of a ray are looked at. Everything but `regular` is for method `emission-absorption` and one volume;
+/// `refine` is for `mip` and `minip`, too.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Sampling {
@@ -31,7 +32,8 @@ pub struct Sampling {
 pub enum SamplingRule {
     /// One sample at every lattice point.
     Regular,
-    /// Between lattice points whose values the transfer function shows something between: more samples.
+    /// Between lattice points whose values the transfer function shows something between: more samples. With `mip` and
+    /// `minip`: around the largest or smallest value of each ray.
     Refine,
     /// Between such points: values on the line between both, without looking at the volume again.
     Split,
@@ -181,7 +183,7 @@ pub(crate) fn check_together(plan: &plan::Plan, checker: &mut Checker) {
     let projects = matches!(plan.composite, Composite::Mip | Composite::MinIp);
     let refines = matches!(plan.sampling, Sampling::Refine { .. });
     let adds = matches!(plan.composite, Composite::EmissionAbsorption { .. });
-    if !adds && !(projects && refines) {
+    if !(adds || projects && refines) {
         refuse(
             "with a method that looks at lattice points",
             "method emission-absorption, or rule \"refine\" with mip or minip",
