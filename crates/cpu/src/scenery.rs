@@ -52,6 +52,13 @@ pub struct Object<'p, S: Level> {
     world_from_voxel: Affine,
 }
 
+/// A half and a whole are worked out faster; lengths in single precision are not exactly that.
+fn steps_per_reference(step_mm: f64, reference_mm: f32) -> f32 {
+    let steps = step_mm / f64::from(reference_mm);
+    let is_near = |number: &f64| (steps - number).abs() < 1e-6;
+    [0.5, 1.0].into_iter().find(is_near).unwrap_or(steps) as f32
+}
+
 /// Voxels of the types that scans and simulations have.
 pub enum Stored<'v> {
     U8(Linear<'v, u8>),
@@ -113,7 +120,7 @@ impl<'p, S: Level> Object<'p, S> {
                 .then(|| Between::new(plan.classify, table)),
             integrals,
             classify: plan.classify,
-            steps_per_reference: (part_mm / f64::from(table.reference_mm())) as f32,
+            steps_per_reference: steps_per_reference(part_mm, table.reference_mm()),
             world_from_voxel: Affine::new(placed.grid.world_from_voxel()),
         }
     }
