@@ -1,21 +1,22 @@
 //! How opaque a volume is, place by place: what longer steps where it is not rest on.
 
-use super::{Contribution, of_reached, values};
-use crate::plan::{Classify, Plan, Sampling};
+use super::{of_reached, values};
+use crate::plan::{Classify, Composite, Fetch, Plan, Sampling};
 use crate::transfer::TransferTable;
 use strahl_volume::bricks::Bricks;
 
-/// For each brick of object number `object`, x fastest: 0 if no sample inside shows anything, otherwise a number m from 1
+/// For each brick of object number `object`, x fastest: 0 if no sample inside shows anything, exactly where
+/// [`Contribution::Visible`](super::Contribution::Visible) says so; otherwise a number m from 1
 /// to 255 such that no sample inside it or the 26 bricks around it has an opacity of a step above m/255. `None` if
 /// nothing is known of the values, or `plan` wants every lattice point.
 pub fn most_opacity(plan: &Plan, object: usize, bricks: &Bricks) -> Option<Vec<u8>> {
-    let asks = matches!(plan.sampling, Sampling::ByOpacity { .. });
-    if !asks || plan.classify != Classify::Table {
+    let known = plan.fetch == Fetch::Stored
+        && plan.classify == Classify::Table
+        && matches!(plan.composite, Composite::EmissionAbsorption { .. })
+        && plan.modules.is_empty();
+    if !known || !matches!(plan.sampling, Sampling::ByOpacity { .. }) {
         return None;
     }
-    let Contribution::Visible(visible) = Contribution::of(plan, object, bricks) else {
-        return None;
-    };
     let placed = &plan.objects[object];
     let most = MostOpacity::new(&placed.table, plan.lattice.step_mm);
     let of_bricks = of_reached(bricks, plan.reconstruct, |range| {
@@ -25,9 +26,11 @@ pub fn most_opacity(plan: &Plan, object: usize, bricks: &Bricks) -> Option<Vec<u
         let (lo, hi) = values(range, plan, placed);
         most.between(lo, hi)
     });
-    let mut around = largest_around(bricks.dims(), of_bricks);
-    for (most, visible) in around.iter_mut().zip(visible) {
-        *most = if visible { (*most).max(1) } else { 0 };
+    let mut around = largest_around(bricks.dims(), of_bricks.clone());
+    for (around, own) in around.iter_mut().zip(of_bricks) {
+        if own == 0 {
+            *around = 0;
+        }
     }
     Some(around)
 }
@@ -103,6 +106,7 @@ impl MostOpacity {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::visibility::Opaque;
     use proptest::prelude::*;
 
     proptest! {
@@ -119,6 +123,22 @@ mod tests {
             let largest = f64::from(table.max_opacity(lo, lo + width));
             let of_step = 255.0 * (1.0 - (1.0 - largest).powf(steps));
             prop_assert!(f64::from(most) >= of_step && f64::from(most) < of_step + 1.01);
+        }
+
+        #[test]
+        fn nothing_is_shown_where_skipping_says_so(
+            opacities in proptest::collection::vec(
+                prop_oneof![Just(0f32), Just(f32::from_bits(1)), Just(1e-9), 0f32..=1.0],
+                2..60,
+            ),
+            steps in 0.1f64..4.0,
+            lo in -2f32..2.0,
+            width in 0f32..1.0,
+        ) {
+            let entries = opacities.iter().map(|&o| [0.0, 0.0, 0.0, o]).collect();
+            let table = TransferTable::new([-1.0, 1.0], 1.0, entries);
+            let most = MostOpacity::new(&table, steps).between(lo, lo + width);
+            prop_assert_eq!(most > 0, Opaque::new(&table).any(lo, lo + width));
         }
 
         #[test]
