@@ -106,13 +106,13 @@ fn values(range: BrickRange, plan: &Plan, object: &PlanObject) -> (f32, f32) {
 }
 
 /// What `of` makes of the numbers that reconstruction can reach from inside each brick.
-fn of_reached<T>(
+fn of_reached<T: Send>(
     bricks: &Bricks,
     reconstruct: Reconstruct,
-    of: impl Fn(BrickRange) -> T,
+    of: impl Fn(BrickRange) -> T + Sync,
 ) -> Vec<T> {
     match reconstruct {
-        Reconstruct::Nearest | Reconstruct::Trilinear => bricks.ranges().map(of).collect(),
+        Reconstruct::Nearest | Reconstruct::Trilinear => bricks.map(of),
         // Four voxels along each axis reach into the next bricks; the weights add up to 1 and none is
         // negative.
         Reconstruct::BSpline | Reconstruct::BSplineInterpolating => {

@@ -161,6 +161,23 @@ impl Bricks {
     pub fn ranges(&self) -> impl ExactSizeIterator<Item = BrickRange> {
         (0..self.number()).map(|brick| self.ranges.get(brick))
     }
+
+    /// What `of` makes of every range, x fastest; on all cores.
+    pub fn map<T: Send>(&self, of: impl Fn(BrickRange) -> T + Sync) -> Vec<T> {
+        let of_brick = |brick| of(self.ranges.get(brick));
+        #[cfg(feature = "threads")]
+        {
+            use rayon::prelude::*;
+            // A task takes longer than handing it over.
+            (0..self.number())
+                .into_par_iter()
+                .with_min_len(4096)
+                .map(of_brick)
+                .collect()
+        }
+        #[cfg(not(feature = "threads"))]
+        (0..self.number()).map(of_brick).collect()
+    }
 }
 
 /// How a volume is cut into bricks.
@@ -283,6 +300,7 @@ mod tests {
             };
             let grid = Grid::centred(voxels, glam::DVec3::ONE).unwrap();
             let bricks = Bricks::of(&grid, &samples, edge);
+            prop_assert_eq!(bricks.map(|range| range), bricks.ranges().collect::<Vec<_>>());
             for z in 0..bricks.dims()[2] {
                 for y in 0..bricks.dims()[1] {
                     for x in 0..bricks.dims()[0] {
