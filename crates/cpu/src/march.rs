@@ -5,7 +5,6 @@
 //! composition costs next to nothing.
 
 mod adaptive;
-mod by_opacity;
 mod projection;
 mod segments;
 mod through_voxels;
@@ -79,18 +78,9 @@ impl<S: Level> Scenery<'_, S> {
             skipped: F32s::zero(),
         };
         let walked = match (self.objects.as_slice(), self.plan.composite) {
-            ([object], Composite::EmissionAbsorption { .. })
-                if self.plan.sampling != Sampling::Regular =>
-            {
-                packet.otherwise(object)
-            }
+            ([object], Composite::EmissionAbsorption { .. }) => packet.by_rule(object),
+            ([object], Composite::FirstHit { .. }) => packet.at_lattice_points(object),
             ([object], Composite::BackToFront) => packet.backwards(object),
-            ([object], Composite::EmissionAbsorption { .. } | Composite::FirstHit { .. }) => {
-                match object.stored_for(self.plan.composite, &self.shading) {
-                    Some(stored) if S::HAS_LOOPS_PER_TYPE => packet.through_voxels(object, stored),
-                    _ => packet.forwards(object),
-                }
-            }
             ([object], _) => match object.skip.as_ref().and_then(Skip::bounds) {
                 Some(bounds) => {
                     packet.project(object, bounds, of_runs);
@@ -125,6 +115,7 @@ impl<S: Level> Packet<'_, S> {
     fn forwards(&mut self, object: &Object<S>) -> F32s<S> {
         let (rays, line) = (self.rays, &self.rays.lines[0]);
         let one = F32s::splat(1.0);
+        let mut strides = object.strides.as_ref().map(|strides| strides.along(line));
         let mut k = F32s::zero();
         let mut live = k.lt(rays.count);
         while live.any() {
@@ -134,15 +125,23 @@ impl<S: Level> Packet<'_, S> {
                 live = live & k.lt(rays.count);
                 continue;
             }
+            let stride = match &mut strides {
+                Some(strides) => {
+                    let shape = object.values.shape();
+                    let cell = shape.cell(shape.clamp(position));
+                    strides.at(cell, live, self.state.alpha, rays.count - k)
+                }
+                None => one,
+            };
             let sampled = object.clips.keep(position, live);
             if sampled.any() {
                 let value = self.value(object, position, sampled);
                 // What is not finite is no value: no rule counts it.
                 let sampled = sampled & value.is_finite();
-                let visible = self.add(object, k, position, sampled, value);
+                let visible = self.add(object, k, position, sampled, value, stride);
                 self.visible += visible.select(one, F32s::zero());
             }
-            k = live.select(k + one, k);
+            k = live.select(k + stride, k);
             live = live & k.lt(rays.count) & !self.done();
         }
         if let Composite::FirstHit { threshold } = self.scenery.plan.composite {
@@ -172,11 +171,11 @@ impl<S: Level> Packet<'_, S> {
         Some(next)
     }
 
-    /// Front to back through one volume by another rule than a sample at every lattice point.
+    /// Front to back through one volume by the Plan's rule of sampling.
     #[inline(always)]
-    fn otherwise(&mut self, object: &Object<S>) -> F32s<S> {
+    fn by_rule(&mut self, object: &Object<S>) -> F32s<S> {
         match self.scenery.plan.sampling {
-            Sampling::Regular => self.forwards(object),
+            Sampling::Regular | Sampling::ByOpacity { .. } => self.at_lattice_points(object),
             Sampling::Refine { parts } => {
                 self.by_segments(object, Shown::InParts(parts, Inside::Reconstructed))
             }
@@ -189,15 +188,15 @@ impl<S: Level> Packet<'_, S> {
                 self.by_segments(object, Shown::AsIntegrals(integrals))
             }
             Sampling::Adaptive { .. } => self.by_runs(object),
-            Sampling::ByOpacity { .. } => {
-                let Some(strides) = &object.strides else {
-                    return self.forwards(object);
-                };
-                match object.stored_for(self.scenery.plan.composite, &self.scenery.shading) {
-                    Some(stored) if S::HAS_LOOPS_PER_TYPE => self.through_voxels(object, stored),
-                    _ => self.by_strides(object, strides),
-                }
-            }
+        }
+    }
+
+    /// Front to back through one volume, by the loop of its type of sample if there is one.
+    #[inline(always)]
+    fn at_lattice_points(&mut self, object: &Object<S>) -> F32s<S> {
+        match object.stored_for(self.scenery.plan.composite, &self.scenery.shading) {
+            Some(stored) if S::HAS_LOOPS_PER_TYPE => self.through_voxels(object, stored),
+            _ => self.forwards(object),
         }
     }
 
@@ -364,7 +363,8 @@ impl<S: Level> Packet<'_, S> {
         )
     }
 
-    /// Adds lattice point `k` of the rays `sampled`; says which of them it showed something for.
+    /// Adds lattice point `k` of the rays `sampled`, for as many as a `stride` has where there are strides; says which of them
+    /// it showed something for.
     #[inline(always)]
     fn add(
         &mut self,
@@ -373,12 +373,14 @@ impl<S: Level> Packet<'_, S> {
         position: Vec3s<S>,
         sampled: Mask<S>,
         value: F32s<S>,
+        stride: F32s<S>,
     ) -> Mask<S> {
         let place = k + self.rays.jitter;
         match self.scenery.plan.composite {
             Composite::EmissionAbsorption { .. } | Composite::BackToFront => {
                 let look = self.classified(object, value, position, sampled);
                 let Surface { colour, opacity } = look.surface;
+                let opacity = object.of_stride(opacity, stride);
                 emission_absorption::add(&mut self.state, look.visible, colour, opacity);
                 look.visible
             }

@@ -167,10 +167,9 @@ impl<'p, S: Level> Object<'p, S> {
         }
     }
 
-    /// The opacity of as many steps as a stride has, from that of the reference length.
+    /// The opacity of as many steps as a stride has, from that of one; where there are no strides, that of one.
     #[inline(always)]
     pub fn of_stride(&self, opacity: F32s<S>, stride: F32s<S>) -> F32s<S> {
-        let opacity = self.of_step(opacity);
         if self.strides.is_some() {
             of_stride(opacity, stride)
         } else {

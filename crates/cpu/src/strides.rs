@@ -38,52 +38,67 @@ impl Strides {
         })
     }
 
-    /// The longest stride that stays within the bricks around that of the sample: of more nothing is known.
+    /// Those along rays.
     #[inline(always)]
-    pub fn longest<S: Level>(line: &Line<S>) -> F32s<S> {
+    pub fn along<S: Level>(&self, line: &Line<S>) -> StridesAlong<'_, S> {
         // A little less than the edge: positions are rounded.
         let most = F32s::splat(0.99 * Skip::EDGE as f32);
         let [x, y, z] = each!(line.step_in_voxel, |step| step.abs());
         let steps = x.max(y).max(z);
-        let (one, two, four) = (F32s::splat(1.0), F32s::splat(2.0), F32s::splat(4.0));
         let fits = inlined(
             #[inline(always)]
             |stride: F32s<S>| (steps * stride).le(most),
         );
-        fits(four).select(four, fits(two).select(two, one))
+        let longest = longest_that(fits);
+        StridesAlong {
+            strides: self,
+            longest,
+            last_alpha: F32s::zero(),
+        }
     }
+}
 
-    /// How opaque a step can be around each cell, in 255ths; 0 where nothing is shown.
-    #[inline(always)]
-    pub fn most_opacity<S: Level>(&self, cell: [I32s<S>; 3]) -> I32s<S> {
-        self.most_opacity.at(cell)
-    }
+/// Strides along the rays of a packet.
+pub struct StridesAlong<'s, S: Level> {
+    strides: &'s Strides,
+    /// That stays within the bricks around that of the sample: of more nothing is known.
+    longest: F32s<S>,
+    /// In front of the sample before, where its brick may show something.
+    last_alpha: F32s<S>,
+}
 
-    /// The strides of samples with such a `most` opacity around, at most `longest`, where they are `sampled`; anything
-    /// elsewhere. `alpha` is that of the pixel in front of them, `last` the one in front of the sample before, of which
-    /// it becomes that of this one: the loop need not wait for what the last sample was. (Alpha only grows: it is a bound
-    /// as well.)
+impl<S: Level> StridesAlong<'_, S> {
+    /// The strides of samples in `cell`, where they are `sampled`; anything elsewhere. With their own, `left` lattice
+    /// points are left of each ray. `alpha` is that of the pixel in front of them. What counts is the
+    /// one in front of the sample before, so that the loop need not wait for what the last sample was. (Alpha only
+    /// grows: it is a bound as well.)
     #[inline(always)]
-    pub fn at<S: Level>(
-        &self,
-        most: I32s<S>,
+    pub fn at(
+        &mut self,
+        cell: [I32s<S>; 3],
         sampled: Mask<S>,
         alpha: F32s<S>,
-        last: &mut F32s<S>,
-        longest: F32s<S>,
+        left: F32s<S>,
     ) -> F32s<S> {
-        let (one, two, four) = (F32s::splat(1.0), F32s::splat(2.0), F32s::splat(4.0));
+        let most = self.strides.most_opacity.at(cell);
         // Elsewhere no sample stands for anything, and skipping may leave it out: the next lattice point may be seen.
         let shows = I32s::splat(0).lt(most);
-        let share = most.to_f32s() * (one - *last);
-        *last = (sampled & shows).select(alpha, *last);
-        let most = F32s::splat(self.share);
-        let fits = inlined(
+        let of_step = most.to_f32s() * (F32s::splat(1.0) - self.last_alpha);
+        self.last_alpha = (sampled & shows).select(alpha, self.last_alpha);
+        let longest = self.longest.min(left);
+        let share = F32s::splat(self.strides.share);
+        longest_that(inlined(
             #[inline(always)]
-            |stride: F32s<S>| shows & stride.le(longest) & (share * stride).le(most),
-        );
-        fits(four).select(four, fits(two).select(two, one))
+            |stride: F32s<S>| shows & stride.le(longest) & (of_step * stride).le(share),
+        ))
     }
+}
+
+/// The longest stride that `fits`, or 1.
+#[inline(always)]
+fn longest_that<S: Level>(fits: impl Fn(F32s<S>) -> Mask<S>) -> F32s<S> {
+    let (one, two, four) = (F32s::splat(1.0), F32s::splat(2.0), F32s::splat(4.0));
+    fits(four).select(four, fits(two).select(two, one))
 }
 
 /// The opacity of as many steps as a stride has, from that of one.

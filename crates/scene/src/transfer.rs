@@ -1,5 +1,7 @@
 //! Transfer functions: value → colour and opacity.
 
+use std::ops::Range;
+
 /// A transfer function as every renderer uses it: evenly spaced entries, linear in between, the
 /// first and last entry beyond the ends.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,17 +56,39 @@ impl TransferTable {
         std::array::from_fn(|c| a[c] + (b[c] - a[c]) * part)
     }
 
+    /// Where its entries lie.
+    pub(crate) fn places(&self) -> Places {
+        let [lo, hi] = self.domain;
+        Places {
+            number: self.entries.len(),
+            lo,
+            per_value: (self.entries.len() - 1) as f32 / (hi - lo),
+        }
+    }
+
     /// The largest opacity of any value in `lo..=hi`, exact: the basis of skipping. (Linear pieces
     /// have their maxima at entries or at the ends of the interval.)
     pub fn max_opacity(&self, lo: f32, hi: f32) -> f32 {
-        let last = (self.entries.len() - 1) as f32;
-        let [d0, d1] = self.domain;
-        let position = |value: f32| ((value - d0) * (last / (d1 - d0))).clamp(0.0, last);
-        // One entry more on either side makes up for rounding in `position`.
-        let first = (position(lo) as usize).saturating_sub(1);
-        let end = (position(hi) as usize + 3).min(self.entries.len());
-        self.entries[first..end]
+        self.entries[self.places().beside(lo, hi)]
             .iter()
             .fold(0.0, |most, e| most.max(e[3]))
+    }
+}
+
+/// Where the entries of a table lie.
+pub(crate) struct Places {
+    number: usize,
+    lo: f32,
+    per_value: f32,
+}
+
+impl Places {
+    /// The entries that any value from `lo` to `hi` lies beside; one at least.
+    pub fn beside(&self, lo: f32, hi: f32) -> Range<usize> {
+        let last = (self.number - 1) as f32;
+        let position = |value: f32| ((value - self.lo) * self.per_value).clamp(0.0, last);
+        // One entry more on either side makes up for rounding in `position`.
+        let first = (position(lo) as usize).saturating_sub(1);
+        first..(position(hi) as usize + 3).min(self.number)
     }
 }

@@ -9,7 +9,7 @@ pub use even::even_cubes;
 pub use opacity::most_opacity;
 
 use crate::plan::{Classify, Composite, DebugView, Fetch, Plan, PlanObject, Reconstruct};
-use crate::transfer::TransferTable;
+use crate::transfer::{Places, TransferTable};
 use strahl_volume::Rescale;
 use strahl_volume::bricks::{BrickRange, Bricks};
 
@@ -136,22 +136,34 @@ fn of_reached<T: Send>(
 
 /// The range of each brick and the 26 around it.
 fn with_neighbours(bricks: &Bricks) -> Vec<BrickRange> {
-    let dims = bricks.dims();
-    let stride = [1, dims[0], dims[0] * dims[1]];
-    let mut ranges: Vec<BrickRange> = bricks.ranges().collect();
-    for axis in 0..3 {
-        let before = ranges.clone();
-        for (i, range) in ranges.iter_mut().enumerate() {
-            let at = i / stride[axis] % dims[axis];
-            let behind = (at > 0).then(|| before[i - stride[axis]]);
-            let ahead = (at + 1 < dims[axis]).then(|| before[i + stride[axis]]);
-            for other in behind.into_iter().chain(ahead) {
-                range.lo = range.lo.min(other.lo);
-                range.hi = range.hi.max(other.hi);
+    joined_with_neighbours(bricks.dims(), bricks.ranges().collect(), |range, other| {
+        range.lo = range.lo.min(other.lo);
+        range.hi = range.hi.max(other.hi);
+    })
+}
+
+/// What each brick and the 26 around it have, joined.
+fn joined_with_neighbours<T: Copy>(
+    dims: [usize; 3],
+    mut of_bricks: Vec<T>,
+    join: impl Fn(&mut T, &T),
+) -> Vec<T> {
+    let mut stride = 1;
+    for edge in dims {
+        let before = of_bricks.clone();
+        let lines = of_bricks.chunks_exact_mut(stride * edge);
+        for (line, before) in lines.zip(before.chunks_exact(stride * edge)) {
+            // The next one along the axis, and the one before.
+            for (brick, ahead) in line.iter_mut().zip(&before[stride..]) {
+                join(brick, ahead);
+            }
+            for (brick, behind) in line[stride..].iter_mut().zip(before) {
+                join(brick, behind);
             }
         }
+        stride *= edge;
     }
-    ranges
+    of_bricks
 }
 
 /// Whether a classification shows anything of an interval.
@@ -179,36 +191,27 @@ fn shows(classify: Classify, table: &Opaque, lo: f32, hi: f32) -> bool {
 /// Whether a transfer function shows anything of an interval: what
 /// [`TransferTable::max_opacity`] > 0 says, in constant time.
 struct Opaque {
-    lo: f32,
-    entries_per_value: f32,
+    places: Places,
     /// Number of visible entries before each entry.
     before: Vec<u32>,
 }
 
 impl Opaque {
     fn new(table: &TransferTable) -> Opaque {
-        let [lo, hi] = table.domain();
         let mut before = vec![0];
         for entry in table.entries() {
             before.push(before[before.len() - 1] + u32::from(entry[3] > 0.0));
         }
         Opaque {
-            lo,
-            entries_per_value: (table.entries().len() - 1) as f32 / (hi - lo),
+            places: table.places(),
             before,
         }
     }
 
     /// Whether any value from `lo` to `hi` is visible.
     fn any(&self, lo: f32, hi: f32) -> bool {
-        let entries = self.before.len() - 1;
-        let position = |value: f32| {
-            ((value - self.lo) * self.entries_per_value).clamp(0.0, (entries - 1) as f32)
-        };
-        // One entry more on either side makes up for rounding in `position`.
-        let first = (position(lo) as usize).saturating_sub(1);
-        let end = (position(hi) as usize + 3).min(entries);
-        self.before[end] > self.before[first]
+        let entries = self.places.beside(lo, hi);
+        self.before[entries.end] > self.before[entries.start]
     }
 }
 
@@ -230,6 +233,25 @@ mod tests {
                 Opaque::new(&table).any(lo, lo + width),
                 table.max_opacity(lo, lo + width) > 0.0
             );
+        }
+
+        #[test]
+        fn around_are_the_bricks_that_touch(
+            dims in proptest::array::uniform3(1usize..6),
+            seed in any::<u64>(),
+        ) {
+            let number = dims.iter().product::<usize>();
+            let numbers: Vec<u8> = (0..number as u64)
+                .map(|i| ((i + 1).wrapping_mul(seed | 1) >> 32) as u8)
+                .collect();
+            let larger = |most: &mut u8, other: &u8| *most = (*most).max(*other);
+            let largest = joined_with_neighbours(dims, numbers.clone(), larger);
+            let place = |i: usize| [i % dims[0], i / dims[0] % dims[1], i / (dims[0] * dims[1])];
+            for (i, got) in largest.iter().enumerate() {
+                let touches = |j: &usize| (0..3).all(|axis| place(i)[axis].abs_diff(place(*j)[axis]) <= 1);
+                let want = (0..number).filter(touches).map(|j| numbers[j]).max();
+                prop_assert_eq!(Some(*got), want);
+            }
         }
     }
 }

@@ -8,13 +8,12 @@
 
 use super::Packet;
 use crate::lanes::{F32s, I32s, LANES, Mask, Vec3s, each, lanes, rows, to_rows};
-use crate::levels::{Level, inlined, vectorized};
+use crate::levels::{Level, vectorized};
 use crate::library::classify::Surface;
 use crate::library::composite::emission_absorption;
 use crate::library::fetch::{Fetch, Linear, Shape};
 use crate::library::reconstruct::trilinear;
 use crate::scenery::{Object, Stored};
-use crate::strides::Strides;
 use strahl_scene::plan::Composite;
 use strahl_volume::Sample;
 
@@ -96,7 +95,7 @@ impl<S: Level> Packet<'_, S> {
                     |packet, _, _, value, sampled, stride| {
                         let Surface { colour, opacity } = object.table.at(value);
                         let visible = sampled & F32s::zero().lt(opacity);
-                        let opacity = object.of_stride(opacity, stride);
+                        let opacity = object.of_stride(object.of_step(opacity), stride);
                         emission_absorption::add(&mut packet.state, visible, colour, opacity);
                         visible
                     },
@@ -118,7 +117,7 @@ impl<S: Level> Packet<'_, S> {
                     |packet, position, _, value, sampled, stride| {
                         let opacity = object.table.opacity_at(value);
                         let visible = sampled & F32s::zero().lt(opacity);
-                        let opacity = object.of_stride(opacity, stride);
+                        let opacity = object.of_stride(object.of_step(opacity), stride);
                         let share = (F32s::splat(1.0) - packet.state.alpha) * opacity;
                         let share = visible.select(share, F32s::zero());
                         packet.state.alpha += share;
@@ -153,39 +152,21 @@ impl<S: Level> Packet<'_, S> {
         let one = F32s::splat(1.0);
         let shape = <Linear<T> as Fetch<S>>::shape(voxels);
         let cubes = object.skip.as_ref().and_then(|skip| skip.cubes(line));
-        let strides = object.strides.as_ref();
-        let longest = Strides::longest(line);
-        let mut last_alpha = F32s::zero();
+        let mut strides = object.strides.as_ref().map(|strides| strides.along(line));
         let mut k = F32s::zero();
         let mut live = k.lt(rays.count);
         if !live.any() {
             return k;
         }
         let mut here = Points::at(shape, line.position(k + rays.jitter));
-        // How opaque the bricks around are, if there are strides, which says as well where nothing is shown.
-        let known = inlined(
-            #[inline(always)]
-            |cell: [I32s<S>; 3]| match (strides, &cubes) {
-                (Some(strides), _) => strides.most_opacity(cell),
-                (None, Some(cubes)) => cubes.at(cell),
-                (None, None) => I32s::splat(0),
-            },
-        );
-        let mut known_here = known(here.cell);
+        let mut cube = cubes.as_ref().map(|cubes| cubes.at(here.cell));
         loop {
             let mut seeing = live;
             let mut jumped = k;
-            if let Some(cubes) = &cubes {
-                let empty = match strides {
-                    Some(_) => live & known_here.lt(I32s::splat(1)),
-                    None => live & I32s::splat(0).lt(known_here),
-                };
+            if let (Some(cubes), Some(cube)) = (&cubes, &mut cube) {
+                let empty = live & I32s::splat(0).lt(*cube);
                 if empty.any() {
-                    let cube = match strides {
-                        Some(_) => cubes.at(here.cell),
-                        None => known_here,
-                    };
-                    let jump = cubes.points(cube, here.cell, here.position, line);
+                    let jump = cubes.points(*cube, here.cell, here.position, line);
                     jumped = empty.select((k + jump).min(rays.count), k);
                     self.skipped += jumped - k;
                     if 2 * empty.count() > live.count() {
@@ -196,22 +177,19 @@ impl<S: Level> Packet<'_, S> {
                             break;
                         }
                         here = Points::at(shape, line.position(k + rays.jitter));
-                        known_here = known(here.cell);
+                        *cube = cubes.at(here.cell);
                         continue;
                     }
                     seeing = live & !empty;
                 }
             }
-            let stride = match strides {
-                Some(strides) => {
-                    let (alpha, longest) = (self.state.alpha, longest.min(rays.count - k));
-                    strides.at(known_here, seeing, alpha, &mut last_alpha, longest)
-                }
+            let stride = match &mut strides {
+                Some(strides) => strides.at(here.cell, seeing, self.state.alpha, rays.count - k),
                 None => one,
             };
             let next = seeing.select(k + stride, jumped);
             let there = Points::at(shape, line.position(next + rays.jitter));
-            let known_there = known(there.cell);
+            let next_cube = cubes.as_ref().map(|cubes| cubes.at(there.cell));
             let part = [
                 here.clamped[0] - here.cell[0].to_f32s(),
                 here.clamped[1] - here.cell[1].to_f32s(),
@@ -223,7 +201,7 @@ impl<S: Level> Packet<'_, S> {
             let sampled = seeing & value.is_finite();
             let visible = see(self, here.position, k, value, sampled, stride);
             self.visible += visible.select(one, F32s::zero());
-            (k, here, known_here) = (next, there, known_there);
+            (k, here, cube) = (next, there, next_cube);
             live = live & k.lt(rays.count) & !self.done();
             if !live.any() {
                 break;
