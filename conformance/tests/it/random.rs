@@ -256,6 +256,50 @@ impl Random {
         }
     }
 
+    /// A clip by any shape somewhere in `grid`; as a mask the volume that is given, which may lie anywhere.
+    pub fn sample_clip(&mut self, grid: &Grid, mask: &Volume) -> SampleClip {
+        let shapes = [ClipShape::Box, ClipShape::Ellipsoid, ClipShape::Cylinder];
+        let (lo, hi) = grid.bounds_mm();
+        let placed = |random: &mut Random, size: f64| {
+            let edges = DVec3::from_array(std::array::from_fn(|_| random.between(0.2, size)));
+            let axes = random.rotation() * DMat3::from_diagonal(edges * hi.distance(lo));
+            let centre = grid.centre_mm() + random.vector() * 0.3 * hi.distance(lo);
+            DAffine3::from_mat3_translation(axes, centre).inverse()
+        };
+        let is_mask = self.once_in(2);
+        let (shape, unit_from_world) = if is_mask {
+            let [lowest, highest] = mask.statistics().range;
+            let share = self.pick(&[0.0, 0.2, 0.5, 0.9]);
+            let shape = ClipShape::Mask {
+                mask: 0,
+                threshold: (lowest + (highest - lowest) * share) as f32,
+            };
+            // Where it is, or with a cell on every cell of the volume, or anywhere.
+            let (first, last) = grid.extent_in_voxels();
+            let of_volume = DAffine3::from_mat3_translation(
+                DMat3::from_diagonal(last - first),
+                0.5 * (first + last),
+            );
+            let fitted = (grid.world_from_voxel() * of_volume).inverse();
+            (
+                shape,
+                if self.once_in(2) {
+                    fitted
+                } else {
+                    placed(self, 1.5)
+                },
+            )
+        } else {
+            (self.pick(&shapes), placed(self, 0.8))
+        };
+        SampleClip {
+            shape,
+            unit_from_world,
+            keep_inside: self.once_in(2),
+            objects: ALL_OBJECTS,
+        }
+    }
+
     fn lights(&mut self) -> Vec<PlanLight> {
         let radiance = |random: &mut Random| std::array::from_fn(|_| random.unit() as f32);
         let mut lights = Vec::new();

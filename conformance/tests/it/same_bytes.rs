@@ -8,7 +8,7 @@ use strahl_cpu::{InstructionSet, Options, Renderer, Stats, no_progress};
 use strahl_scene::plan::{Classify, ClipShape, Composite, Plan, SampleClip, Sampling, Shade};
 use strahl_scene::{Method, Scene, Shading, ShadingModel, resolve};
 use strahl_volume::read::{MemoryFiles, ReadOptions, read_file};
-use strahl_volume::{Metadata, Rescale, Samples, Volume};
+use strahl_volume::{Datasets, Metadata, Rescale, Samples, Volume};
 
 /// The pixels as bits, so that NaN equals itself and 0 is not −0.
 fn draw(renderer: &Renderer, plan: &Plan, options: &Options) -> (Vec<[u32; 4]>, Stats) {
@@ -48,8 +48,13 @@ fn without_own_loop(plan: &Plan) -> Plan {
 }
 
 /// Draws once plainly, then in other ways; returns the share of lattice points that were skipped.
-fn check(what: &str, volume: &Volume, plan: &Plan, ways: &[(usize, u32, bool)]) -> f64 {
-    let renderer = Renderer::new(volume);
+fn check<'v>(
+    what: &str,
+    data: impl Into<Datasets<'v>>,
+    plan: &Plan,
+    ways: &[(usize, u32, bool)],
+) -> f64 {
+    let renderer = Renderer::new(data);
     let (expected, plain) = draw(&renderer, &without_own_loop(plan), &plainly());
     let mut skipped = 0.0;
     // Every set that this processor has, in turns.
@@ -191,6 +196,36 @@ fn by_every_rule_of_sampling() {
         skipping += usize::from(skipped > 0.0);
     }
     assert!(others >= 200 && skipping >= 35, "{others}, {skipping}");
+}
+
+/// Bricks that clips leave nothing of are left out, by every composite rule.
+#[test]
+fn with_clips_of_every_shape() {
+    let ways = [(1, WHOLE, true), (7, 7, true), (2, 1, true)];
+    let (mut skipping, mut shown) = (0, 0);
+    for seed in seeds(400) {
+        let mut random = Random::new(seed ^ 0xC119);
+        let volume = random.volume();
+        let mask = match random.below(3) {
+            0 => random.volume(),
+            _ => ties_and_peaks(&mut random, volume.grid().dims()),
+        };
+        let mut plan = random.plan(&volume, [19, 13]);
+        plan.sampling = random.sampling(&plan);
+        for _ in 0..1 + random.below(2) {
+            let clip = random.sample_clip(volume.grid(), &mask);
+            plan.sample_clips.push(clip);
+        }
+        let data = Datasets {
+            masks: vec![&mask],
+            ..Datasets::from(&volume)
+        };
+        let skipped = check(&format!("seed {seed}"), data, &plan, &ways);
+        skipping += usize::from(skipped > 0.0);
+        shown += usize::from(skipped < 1.0);
+    }
+    println!("{skipping} {shown}");
+    assert!(skipping >= 100 && shown >= 200, "{skipping}, {shown}");
 }
 
 fn scan(name: &str) -> Option<Volume> {

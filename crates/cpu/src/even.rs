@@ -24,7 +24,7 @@ impl EvenCubes {
         if !matches!(plan.sampling, Sampling::Adaptive { .. }) {
             return None;
         }
-        OfBricks::new(recent, bricks, plan, object, even_cubes).map(EvenCubes)
+        OfBricks::new(recent, bricks, plan, object, None, even_cubes).map(EvenCubes)
     }
 
     /// How many lattice points, this one at `position` included, lie in the same even cube for certain; 1

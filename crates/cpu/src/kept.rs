@@ -5,9 +5,6 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 /// What was found, and what it depends on; the newest first.
 pub struct Kept<K, V>(Mutex<Vec<(K, Arc<V>)>>);
 
-/// That many are kept: a picture in stages has two steps.
-const MOST: usize = 2;
-
 impl<K, V> Default for Kept<K, V> {
     fn default() -> Kept<K, V> {
         Kept(Mutex::default())
@@ -15,8 +12,13 @@ impl<K, V> Default for Kept<K, V> {
 }
 
 impl<K: PartialEq, V> Kept<K, V> {
-    /// What depends on `asked`, made if it is not known; `None` if there is none to make.
-    pub fn find(&self, asked: K, make: impl FnOnce(&K) -> Option<V>) -> Option<Arc<V>> {
+    /// What depends on `asked`, made if it is not known; `None` if there is none to make. The newest `most` are kept.
+    pub fn find(
+        &self,
+        asked: K,
+        most: usize,
+        make: impl FnOnce(&K) -> Option<V>,
+    ) -> Option<Arc<V>> {
         {
             let mut all = self.all();
             if let Some(index) = all.iter().position(|(of, _)| *of == asked) {
@@ -28,7 +30,7 @@ impl<K: PartialEq, V> Kept<K, V> {
         let made = Arc::new(make(&asked)?);
         let mut all = self.all();
         all.insert(0, (asked, made.clone()));
-        all.truncate(MOST);
+        all.truncate(most);
         Some(made)
     }
 

@@ -25,6 +25,7 @@
 
 #![warn(missing_docs)]
 
+mod clipped;
 mod doubles;
 mod elementary;
 mod even;
@@ -48,6 +49,7 @@ mod tiles;
 pub use levels::InstructionSet;
 pub use refine::Stage;
 
+use clipped::{Clipped, Masks, RecentClipped};
 use even::EvenCubes;
 use levels::{Level, Task, dispatch};
 use library::classify::RecentIntegrals;
@@ -89,6 +91,8 @@ pub struct Renderer<'v> {
     recent: Recent,
     recent_of_bricks: RecentOfBricks,
     recent_integrals: RecentIntegrals,
+    recent_clipped: RecentClipped,
+    masks: Masks<'v>,
     /// Of the volume with this number: made when a Plan first asks for it.
     coefficients: Mutex<Vec<Option<Arc<Coefficients>>>>,
     meshes: Meshes,
@@ -303,6 +307,8 @@ impl<'v> Renderer<'v> {
             recent: Recent::default(),
             recent_of_bricks: RecentOfBricks::default(),
             recent_integrals: RecentIntegrals::default(),
+            recent_clipped: RecentClipped::default(),
+            masks: Masks::new(&data.masks),
             coefficients: Mutex::new(vec![None; data.volumes.len()]),
             meshes: Meshes::new(&data.meshes),
             data,
@@ -497,9 +503,11 @@ impl<'v> Renderer<'v> {
             .collect();
         let object = |index: usize| {
             let (volume, bricks) = self.read_for(plan, index, &coefficients);
+            let clipped = Clipped::new(&self.recent_clipped, &self.masks, bricks, plan, index);
+            let clipped = clipped.as_ref();
             let skip = options
                 .skip
-                .then(|| Skip::new(&self.recent, bricks, plan, index))
+                .then(|| Skip::new(&self.recent, bricks, plan, index, clipped))
                 .flatten();
             let is_plain =
                 plan.fetch == Fetch::Stored && plan.reconstruct == Reconstruct::Trilinear;
@@ -512,7 +520,7 @@ impl<'v> Renderer<'v> {
             let even = is_whole
                 .then(|| EvenCubes::new(&self.recent_of_bricks, bricks, plan, index))
                 .flatten();
-            let strides = Strides::new(&self.recent_of_bricks, bricks, plan, index);
+            let strides = Strides::new(&self.recent_of_bricks, bricks, plan, index, clipped);
             let integrals = self.recent_integrals.of_plan(plan, index);
             let source = &*sources[index];
             Object::new(

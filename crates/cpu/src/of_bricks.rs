@@ -1,5 +1,6 @@
 //! What a rule of sampling knows of each brick of a volume.
 
+use crate::clipped::Clipped;
 use crate::kept::Kept;
 use crate::lanes::I32s;
 use crate::lanes::words;
@@ -31,15 +32,18 @@ pub struct Asked {
     reconstruct: Reconstruct,
     rescale: Rescale,
     table: TransferTable,
+    clipped: Option<Clipped>,
 }
 
 impl OfBricks {
-    /// What `find` says of object number `object`, or said of it last; `None` if it says nothing.
+    /// What `find` says of object number `object`, or said of it last, and 0 where bricks are `clipped`; `None` if it
+    /// says nothing.
     pub fn new(
         recent: &RecentOfBricks,
         bricks: &Bricks,
         plan: &Plan,
         object: usize,
+        clipped: Option<&Clipped>,
         find: impl FnOnce(&Plan, usize, &Bricks) -> Option<Vec<u8>>,
     ) -> Option<OfBricks> {
         assert_eq!(bricks.edge(), Skip::EDGE);
@@ -55,9 +59,16 @@ impl OfBricks {
             reconstruct: plan.reconstruct,
             rescale: placed.rescale,
             table: placed.table.clone(),
+            clipped: clipped.cloned(),
         };
-        let bytes = recent.find(asked, |_| {
+        let bytes = recent.find(asked, 2 * plan.objects.len(), |_| {
             let mut bytes = find(plan, object, bricks)?;
+            for (byte, clipped) in bytes
+                .iter_mut()
+                .zip(clipped.map_or(&[][..], Clipped::bricks))
+            {
+                *byte *= u8::from(!clipped);
+            }
             bytes.extend([0; 3]);
             Some(bytes)
         })?;

@@ -3,6 +3,7 @@
 //! Only whole lattice points are left out, and only those whose single-precision position falls
 //! into a brick that provably gives nothing: pictures have the same bytes with skipping and without.
 
+use crate::clipped::Clipped;
 use crate::lanes::{F32s, I32s, LANES, Vec3s, each, words};
 use crate::levels::Level;
 use crate::library::fetch::Shape;
@@ -242,7 +243,7 @@ struct Found {
     knowledge: Knowledge,
 }
 
-/// All that a [`Contribution`] depends on.
+/// All that a [`Contribution`] depends on, and what clips leave of it.
 #[derive(Clone, PartialEq)]
 struct Asked {
     volume: usize,
@@ -252,10 +253,17 @@ struct Asked {
     composite: Composite,
     rescale: Rescale,
     table: TransferTable,
+    clipped: Option<Clipped>,
 }
 
 impl Recent {
-    fn find(&self, bricks: &Bricks, plan: &Plan, object: usize) -> Knowledge {
+    fn find(
+        &self,
+        bricks: &Bricks,
+        plan: &Plan,
+        object: usize,
+        clipped: Option<&Clipped>,
+    ) -> Knowledge {
         let placed = &plan.objects[object];
         let asked = Asked {
             volume: placed.volume,
@@ -265,6 +273,7 @@ impl Recent {
             composite: plan.composite,
             rescale: placed.rescale,
             table: placed.table.clone(),
+            clipped: clipped.cloned(),
         };
         let known = {
             let mut all = self.all();
@@ -295,12 +304,13 @@ impl Found {
         let bounds = |largest: Vec<f32>, is_negative| {
             Knowledge::Bounds(Bounds::new(bricks.dims(), largest, is_negative))
         };
+        let clipped = of.clipped.as_ref().map(Clipped::bricks);
         let mut visible = Vec::new();
         // Words are gathered at 32-bit offsets.
         let knowledge = if bricks.number() > i32::MAX as usize / 8 {
             Knowledge::Nothing
         } else {
-            match Contribution::of(plan, object, bricks) {
+            match unclipped(Contribution::of(plan, object, bricks), clipped) {
                 Contribution::Every => Knowledge::Nothing,
                 Contribution::Visible(of_bricks) => {
                     visible = of_bricks;
@@ -339,6 +349,35 @@ impl Found {
     }
 }
 
+/// What bricks can give where they are not `clipped`.
+fn unclipped(contribution: Contribution, clipped: Option<&[bool]>) -> Contribution {
+    let Some(clipped) = clipped else {
+        return contribution;
+    };
+    fn put<T: Copy>(mut numbers: Vec<T>, clipped: &[bool], nothing: T) -> Vec<T> {
+        for (number, _) in numbers
+            .iter_mut()
+            .zip(clipped)
+            .filter(|(_, clipped)| **clipped)
+        {
+            *number = nothing;
+        }
+        numbers
+    }
+    match contribution {
+        Contribution::Every => {
+            Contribution::Visible(put(vec![true; clipped.len()], clipped, false))
+        }
+        Contribution::Visible(visible) => Contribution::Visible(put(visible, clipped, false)),
+        Contribution::Largest(values) => {
+            Contribution::Largest(put(values, clipped, f32::NEG_INFINITY))
+        }
+        Contribution::Smallest(values) => {
+            Contribution::Smallest(put(values, clipped, f32::INFINITY))
+        }
+    }
+}
+
 impl Skip {
     /// Cells along the edge of the bricks: of the samples of typical scans half as many lie in visible
     /// bricks of 4 as in those of 8; the octants' cubes are then 12.5 % of a `u8` volume.
@@ -347,14 +386,20 @@ impl Skip {
     /// Of a cell's number, to that of its brick.
     pub const SHIFT: u32 = Self::EDGE.trailing_zeros();
 
-    /// What can be left out of object number `object`; `None` if the rule needs, or its loop visits, every
-    /// sample.
-    pub fn new(recent: &Recent, bricks: &Bricks, plan: &Plan, object: usize) -> Option<Skip> {
+    /// What can be left out of object number `object`, also where it is `clipped`; `None` if the rule needs, or its loop
+    /// visits, every sample.
+    pub fn new(
+        recent: &Recent,
+        bricks: &Bricks,
+        plan: &Plan,
+        object: usize,
+        clipped: Option<&Clipped>,
+    ) -> Option<Skip> {
         assert_eq!(bricks.edge(), Self::EDGE);
         if plan.composite == Composite::BackToFront {
             return None;
         }
-        match recent.find(bricks, plan, object) {
+        match recent.find(bricks, plan, object, clipped) {
             Knowledge::Nothing => None,
             knowledge => Some(Skip {
                 dims: bricks.dims().map(|n| n as i32),

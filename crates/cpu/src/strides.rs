@@ -1,5 +1,6 @@
 //! How many lattice points a sample can stand for, by the opacity around it.
 
+use crate::clipped::Clipped;
 use crate::lanes::{F32s, I32s, Mask, each};
 use crate::levels::{Level, inlined};
 use crate::of_bricks::{OfBricks, RecentOfBricks};
@@ -27,11 +28,12 @@ impl Strides {
         bricks: &Bricks,
         plan: &Plan,
         object: usize,
+        clipped: Option<&Clipped>,
     ) -> Option<Strides> {
         let Sampling::ByOpacity { share } = plan.sampling else {
             return None;
         };
-        let most_opacity = OfBricks::new(recent, bricks, plan, object, most_opacity)?;
+        let most_opacity = OfBricks::new(recent, bricks, plan, object, clipped, most_opacity)?;
         Some(Strides {
             most_opacity,
             share: share * 255.0,

@@ -2,9 +2,11 @@
 //!
 //! Only bricks that provably change nothing are left out; rounding is on the side of looking.
 
+mod clips;
 mod even;
 mod opacity;
 
+pub use clips::dropped;
 pub use even::even_cubes;
 pub use opacity::most_opacity;
 
@@ -39,7 +41,8 @@ impl Contribution {
         if plan.fetch != Fetch::Stored || !is_known {
             return Contribution::Every;
         }
-        let values = |range: BrickRange| values(range, plan, object);
+        let rescale = rescale_of(plan, object);
+        let values = |range: BrickRange| values(range, rescale);
         let way = plan.reconstruct;
         let opaque = Opaque::new(&object.table);
         let visible = |range: BrickRange| {
@@ -83,14 +86,18 @@ impl Contribution {
     }
 }
 
-/// Bounds of the values that reconstruction can give inside a brick: its range, rescaled, and
-/// widened by more than interpolation and rescaling can round (some 20 operations of 2⁻²⁴ each).
-fn values(range: BrickRange, plan: &Plan, object: &PlanObject) -> (f32, f32) {
-    let rescale = match plan.reconstruct {
+/// The way from numbers that the renderer reconstructs from to the values of an object.
+fn rescale_of(plan: &Plan, object: &PlanObject) -> Rescale {
+    match plan.reconstruct {
         // Coefficients are values.
         Reconstruct::BSplineInterpolating => Rescale::IDENTITY,
         _ => object.rescale,
-    };
+    }
+}
+
+/// Bounds of the values that reconstruction can give inside a brick: its range, rescaled, and
+/// widened by more than interpolation and rescaling can round (some 20 operations of 2⁻²⁴ each).
+fn values(range: BrickRange, rescale: Rescale) -> (f32, f32) {
     let (a, b) = (
         rescale.value(f64::from(range.lo)),
         rescale.value(f64::from(range.hi)),

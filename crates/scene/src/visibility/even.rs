@@ -1,6 +1,6 @@
 //! Where the transfer function hardly changes: what leaving out lattice points within an error rests on.
 
-use super::{of_reached, values};
+use super::{of_reached, rescale_of, values};
 use crate::plan::{Classify, Fetch, Plan, Sampling, Shade};
 use crate::transfer::TransferTable;
 use std::collections::VecDeque;
@@ -33,7 +33,7 @@ pub fn even_cubes(plan: &Plan, object: usize, bricks: &Bricks) -> Option<Vec<u8>
     let even = Even::new(&object.table, plan.lattice.step_mm, f64::from(error));
     let mut dims = bricks.dims();
     let mut ranges = of_reached(bricks, plan.reconstruct, |range| {
-        values(range, plan, object)
+        values(range, rescale_of(plan, object))
     });
     let mut cubes = vec![0; ranges.len()];
     for e in 0..8 {

@@ -1,6 +1,6 @@
 //! How opaque a volume is, place by place: what longer steps where it is not rest on.
 
-use super::{joined_with_neighbours, of_reached, values};
+use super::{joined_with_neighbours, of_reached, rescale_of, values};
 use crate::plan::{Classify, Composite, Fetch, Plan, Sampling};
 use crate::transfer::{Places, TransferTable};
 use std::ops::Range;
@@ -24,7 +24,7 @@ pub fn most_opacity(plan: &Plan, object: usize, bricks: &Bricks) -> Option<Vec<u
         if range.is_empty() {
             return 0;
         }
-        let (lo, hi) = values(range, plan, placed);
+        let (lo, hi) = values(range, rescale_of(plan, placed));
         most.between(lo, hi)
     });
     let mut around = joined_with_neighbours(bricks.dims(), of_bricks.clone(), |most, other| {

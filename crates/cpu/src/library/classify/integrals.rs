@@ -373,7 +373,8 @@ impl RecentIntegrals {
             table: plan.objects[object].table.clone(),
             step_mm: plan.lattice.step_mm,
         };
-        self.find(asked, |asked| {
+        // A picture in stages has two steps.
+        self.find(asked, 2 * plan.objects.len(), |asked| {
             let reference_mm = f64::from(asked.table.reference_mm());
             Some(Integrals::new(&asked.table, asked.step_mm / reference_mm))
         })
