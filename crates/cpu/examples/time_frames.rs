@@ -4,7 +4,8 @@
 //!     cargo run --release -p strahl-cpu --example time_frames -- \
 //!         [case=bonsai] [mode=unshaded|shaded|mip|mip-values|first-hit|minip|average] [edit=true] [frames=16] [threads=2] \
 //!         [step=1] [size=512] [compositing=linear|display] [simd=avx512|avx2|portable] [skip=false] [tile=32] \
-//!         [raw=FILE] [sampling='{ "error": 0.01 }'] [stages=true] [points=JSON]
+//!         [raw=FILE] [sampling='{ "error": 0.01 }'] [stages=true] [points=JSON] \
+//!         [reconstruct=b-spline]
 //!
 //! `mip-values` colours the largest value of a ray black to white over 0 to 255: a picture of values.
 //! `sampling` is that key of a scene; `stages` draws every picture in stages and adds the medians of the times after
@@ -229,6 +230,9 @@ fn scene(
         "background": "#000000",
         "jitter": "off",
     });
+    if let Some(reconstruct) = arguments.text("reconstruct") {
+        scene["reconstruct"] = json!(reconstruct);
+    }
     if let Some(sampling) = arguments.text("sampling") {
         scene["sampling"] = serde_json::from_str(sampling).expect("JSON");
     }

@@ -67,7 +67,7 @@ impl Task for Running<'_> {
         let samples = volume.samples();
         let rescale = plan.objects[0].rescale;
         let values = values::<S>(volume.grid(), samples, rescale, plan.reconstruct);
-        let object = Object::new(plan, 0, &*values, None, &[], None, None, None, None);
+        let object = Object::new(plan, 0, &*values, None, &[], None, None, None, None, None);
         vectorized::<S, _>(
             #[inline(always)]
             || {

@@ -41,6 +41,7 @@ mod meshes;
 mod of_bricks;
 mod ray;
 mod refine;
+mod rejection;
 mod scenery;
 mod skip;
 mod strides;
@@ -60,10 +61,11 @@ use library::shade::Shading;
 use march::Counts;
 use meshes::Meshes;
 use of_bricks::RecentOfBricks;
+use rejection::{OfCubic, Rejection};
 use scenery::{Object, Scenery, Stored};
 use skip::{Recent, Skip};
 use std::ops::ControlFlow;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::Instant;
 use strahl_scene::Image;
 use strahl_scene::plan::{ClipShape, Fetch, Plan, PlanObject, Reconstruct, Sampling};
@@ -95,13 +97,15 @@ pub struct Renderer<'v> {
     masks: Masks<'v>,
     /// Of the volume with this number: made when a Plan first asks for it.
     coefficients: Mutex<Vec<Option<Arc<Coefficients>>>>,
+    /// Likewise, of the voxels themselves.
+    of_cubic: Vec<OnceLock<OfCubic>>,
     meshes: Meshes,
 }
 
 /// What an interpolating B-spline reads in place of the voxels.
 struct Coefficients {
     volume: Volume,
-    bricks: Bricks,
+    of_cubic: OfCubic,
 }
 
 /// What does not change a picture.
@@ -310,6 +314,7 @@ impl<'v> Renderer<'v> {
             recent_clipped: RecentClipped::default(),
             masks: Masks::new(&data.masks),
             coefficients: Mutex::new(vec![None; data.volumes.len()]),
+            of_cubic: data.volumes.iter().map(|_| OnceLock::new()).collect(),
             meshes: Meshes::new(&data.meshes),
             data,
         }
@@ -408,8 +413,8 @@ impl<'v> Renderer<'v> {
         let of_volume = &mut known[object.volume];
         if of_volume.is_none() {
             let volume = self.data.volumes[object.volume].b_spline_coefficients()?;
-            let bricks = Bricks::with_edge(&volume, Skip::EDGE);
-            *of_volume = Some(Arc::new(Coefficients { volume, bricks }));
+            let of_cubic = OfCubic::new(&volume);
+            *of_volume = Some(Arc::new(Coefficients { volume, of_cubic }));
         }
         Ok(of_volume.clone())
     }
@@ -458,19 +463,24 @@ impl<'v> Renderer<'v> {
         }
     }
 
-    /// What object number `object` is reconstructed from, and its bricks.
+    /// What object number `object` is reconstructed from, its bricks, and what there is for cubic kernels.
     fn read_for<'a>(
         &'a self,
         plan: &Plan,
         object: usize,
         coefficients: &'a [Option<Arc<Coefficients>>],
-    ) -> (&'a Volume, &'a Bricks) {
-        match coefficients[object].as_deref() {
-            Some(Coefficients { volume, bricks }) => (volume, bricks),
-            None => {
-                let volume = plan.objects[object].volume;
-                (self.data.volumes[volume], &self.bricks[volume])
+    ) -> (&'a Volume, &'a Bricks, Option<&'a OfCubic>) {
+        if let Some(Coefficients { volume, of_cubic }) = coefficients[object].as_deref() {
+            return (volume, &of_cubic.bricks, Some(of_cubic));
+        }
+        let index = plan.objects[object].volume;
+        let volume = self.data.volumes[index];
+        match plan.reconstruct {
+            Reconstruct::BSpline | Reconstruct::CatmullRom if plan.fetch == Fetch::Stored => {
+                let of_cubic = self.of_cubic[index].get_or_init(|| OfCubic::new(volume));
+                (volume, &of_cubic.bricks, Some(of_cubic))
             }
+            _ => (volume, &self.bricks[index], None),
         }
     }
 
@@ -502,13 +512,20 @@ impl<'v> Renderer<'v> {
             })
             .collect();
         let object = |index: usize| {
-            let (volume, bricks) = self.read_for(plan, index, &coefficients);
+            let (volume, bricks, of_cubic) = self.read_for(plan, index, &coefficients);
             let clipped = Clipped::new(&self.recent_clipped, &self.masks, bricks, plan, index);
             let clipped = clipped.as_ref();
             let skip = options
                 .skip
                 .then(|| Skip::new(&self.recent, bricks, plan, index, clipped))
                 .flatten();
+            let rescale = match coefficients[index] {
+                Some(_) => volume.rescale(),
+                None => plan.objects[index].rescale,
+            };
+            let rejection = of_cubic
+                .filter(|_| options.skip)
+                .and_then(|of_cubic| Rejection::new(of_cubic, plan, index, rescale));
             let is_plain =
                 plan.fetch == Fetch::Stored && plan.reconstruct == Reconstruct::Trilinear;
             let stored = is_plain
@@ -524,7 +541,7 @@ impl<'v> Renderer<'v> {
             let integrals = self.recent_integrals.of_plan(plan, index);
             let source = &*sources[index];
             Object::new(
-                plan, index, source, stored, &masks, skip, even, strides, integrals,
+                plan, index, source, stored, &masks, skip, rejection, even, strides, integrals,
             )
         };
         Ok(draw(&Scenery {

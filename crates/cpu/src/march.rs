@@ -125,15 +125,16 @@ impl<S: Level> Packet<'_, S> {
                 live = live & k.lt(rays.count);
                 continue;
             }
+            let sampled = object.clips.keep(position, live);
+            let (moving, sampled) = self.unless_rejected(object, position, live, sampled);
             let stride = match &mut strides {
                 Some(strides) => {
                     let shape = object.values.shape();
                     let cell = shape.cell(shape.clamp(position));
-                    strides.at(cell, live, self.state.alpha, rays.count - k)
+                    strides.at(cell, moving, self.state.alpha, rays.count - k)
                 }
                 None => one,
             };
-            let sampled = object.clips.keep(position, live);
             if sampled.any() {
                 let value = self.value(object, position, sampled);
                 // What is not finite is no value: no rule counts it.
@@ -141,7 +142,7 @@ impl<S: Level> Packet<'_, S> {
                 let visible = self.add(object, k, position, sampled, value, stride);
                 self.visible += visible.select(one, F32s::zero());
             }
-            k = live.select(k + stride, k);
+            k = moving.select(k + stride, k);
             live = live & k.lt(rays.count) & !self.done();
         }
         if let Composite::FirstHit { threshold } = self.scenery.plan.composite {
@@ -169,6 +170,29 @@ impl<S: Level> Packet<'_, S> {
         let next = empty.select((k + jump).min(self.rays.count), k);
         self.skipped += next - k;
         Some(next)
+    }
+
+    /// Which rays of `live` are to be moved on, and which of them are to be `sampled`: where many samples are rejected, only
+    /// their rays, without a sample. The others wait, so that sampling happens for as many rays as possible.
+    #[inline(always)]
+    fn unless_rejected(
+        &self,
+        object: &Object<S>,
+        position: Vec3s<S>,
+        live: Mask<S>,
+        sampled: Mask<S>,
+    ) -> (Mask<S>, Mask<S>) {
+        let Some(rejection) = &object.rejection else {
+            return (live, sampled);
+        };
+        let so_far = self.state.value;
+        let seen = rejection.may_be_seen(object.values, position, so_far, sampled);
+        let rejected = live & !seen;
+        if 2 * rejected.count() > live.count() {
+            (rejected, Mask::none())
+        } else {
+            (live, seen)
+        }
     }
 
     /// Front to back through one volume by the Plan's rule of sampling.
@@ -351,7 +375,14 @@ impl<S: Level> Packet<'_, S> {
     /// The look of a volume at `position` where it is not clipped.
     #[inline(always)]
     fn look(&mut self, object: &Object<S>, position: Vec3s<S>, live: Mask<S>) -> Look<S> {
-        let sampled = object.clips.keep(position, live);
+        let mut sampled = object.clips.keep(position, live);
+        if let Some(rejection) = &object.rejection {
+            let so_far = self.state.value;
+            sampled = rejection.may_be_seen(object.values, position, so_far, sampled);
+        }
+        if !sampled.any() {
+            return Look::nothing();
+        }
         let value = self.value(object, position, sampled);
         object.look(
             &self.scenery.shading,

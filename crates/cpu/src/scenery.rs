@@ -12,6 +12,7 @@ use crate::library::jitter::Jitters;
 use crate::library::reconstruct::Values;
 use crate::library::shade::{Place, Shading};
 use crate::meshes::Meshes;
+use crate::rejection::Rejection;
 use crate::skip::Skip;
 use crate::strides::{Strides, of_stride};
 use std::sync::Arc;
@@ -36,6 +37,8 @@ pub struct Object<'p, S: Level> {
     pub table: Table<'p>,
     pub gradients: Gradients,
     pub skip: Option<Skip>,
+    /// Which samples need not be reconstructed, where that takes many voxels.
+    pub rejection: Option<Rejection>,
     /// Where one sample can stand for several; where the Plan's sampling is adaptive.
     pub even: Option<EvenCubes>,
     /// For how many lattice points a sample stands; where the Plan's sampling is by opacity.
@@ -87,6 +90,20 @@ pub struct Look<S: Level> {
     pub visible: Mask<S>,
 }
 
+impl<S: Level> Look<S> {
+    /// That of no sample.
+    #[inline(always)]
+    pub fn nothing() -> Look<S> {
+        Look {
+            surface: Surface {
+                colour: [F32s::zero(); 3],
+                opacity: F32s::zero(),
+            },
+            visible: Mask::none(),
+        }
+    }
+}
+
 impl<'p, S: Level> Object<'p, S> {
     /// Object number `object` of `plan`.
     #[expect(clippy::too_many_arguments, reason = "what an object is made of")]
@@ -97,6 +114,7 @@ impl<'p, S: Level> Object<'p, S> {
         stored: Option<Stored<'p>>,
         masks: &'p [Box<dyn Values<S> + 'p>],
         skip: Option<Skip>,
+        rejection: Option<Rejection>,
         even: Option<EvenCubes>,
         strides: Option<Strides>,
         integrals: Option<Arc<Integrals>>,
@@ -112,6 +130,7 @@ impl<'p, S: Level> Object<'p, S> {
             table: Table::new(table),
             gradients: Gradients::new(plan.gradient, &placed.grid),
             skip,
+            rejection,
             even,
             strides,
             between: plan

@@ -112,7 +112,8 @@ fn values(range: BrickRange, rescale: Rescale) -> (f32, f32) {
     ((a.min(b) - margin) as f32, (a.max(b) + margin) as f32)
 }
 
-/// What `of` makes of the numbers that reconstruction can reach from inside each brick.
+/// What `of` makes of the numbers that reconstruction can reach from inside each brick; of closer ones where the bricks
+/// have the reach of cubic kernels.
 fn of_reached<T: Send>(
     bricks: &Bricks,
     reconstruct: Reconstruct,
@@ -120,11 +121,8 @@ fn of_reached<T: Send>(
 ) -> Vec<T> {
     match reconstruct {
         Reconstruct::Nearest | Reconstruct::Trilinear => bricks.map(of),
-        // Four voxels along each axis reach into the next bricks; the weights add up to 1 and none is
-        // negative.
-        Reconstruct::BSpline | Reconstruct::BSplineInterpolating => {
-            with_neighbours(bricks).into_iter().map(of).collect()
-        }
+        // Four voxels along each axis reach one further; the weights add up to 1 and none is negative.
+        Reconstruct::BSpline | Reconstruct::BSplineInterpolating => of_reached_further(bricks, of),
         // The weights along an axis lie between −1/8 and 9/8 at the most, so that a value leaves the
         // range by up to ((5/4)³ − 1)/2 of its width.
         Reconstruct::CatmullRom => {
@@ -135,18 +133,23 @@ fn of_reached<T: Send>(
                     hi: hi + by,
                 }
             };
-            let ranges = with_neighbours(bricks).into_iter();
-            ranges.map(|range| of(wider(range))).collect()
+            of_reached_further(bricks, |range| of(wider(range)))
         }
     }
 }
 
-/// The range of each brick and the 26 around it.
-fn with_neighbours(bricks: &Bricks) -> Vec<BrickRange> {
-    joined_with_neighbours(bricks.dims(), bricks.ranges().collect(), |range, other| {
+/// What `of` makes of the numbers in each brick and those one voxel further out.
+fn of_reached_further<T: Send>(bricks: &Bricks, of: impl Fn(BrickRange) -> T + Sync) -> Vec<T> {
+    if bricks.reach() > 0 {
+        return bricks.map(of);
+    }
+    // The next bricks hold them.
+    let ranges = bricks.ranges().collect();
+    let ranges = joined_with_neighbours(bricks.dims(), ranges, |range, other| {
         range.lo = range.lo.min(other.lo);
         range.hi = range.hi.max(other.hi);
-    })
+    });
+    ranges.into_iter().map(of).collect()
 }
 
 /// What each brick and the 26 around it have, joined.

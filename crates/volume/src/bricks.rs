@@ -29,6 +29,7 @@ use crate::{Grid, Sample, Samples, Volume, with_samples};
 #[derive(Clone, Debug)]
 pub struct Bricks {
     edge: usize,
+    reach: usize,
     dims: [usize; 3],
     ranges: Ranges,
 }
@@ -103,14 +104,28 @@ impl Bricks {
     /// # Panics
     /// If `edge` is not a power of two.
     pub fn with_edge(volume: &Volume, edge: usize) -> Bricks {
-        Bricks::of(volume.grid(), volume.samples(), edge)
+        Bricks::with_reach(volume, edge, 0)
     }
 
-    fn of(grid: &Grid, samples: &Samples, edge: usize) -> Bricks {
+    /// The same whose ranges cover `reach` voxels more to every side: one for reconstruction from four voxels along each
+    /// axis.
+    ///
+    /// # Panics
+    /// If `edge` is not a power of two.
+    pub fn with_reach(volume: &Volume, edge: usize, reach: usize) -> Bricks {
+        Bricks::of(volume.grid(), volume.samples(), edge, reach)
+    }
+
+    fn of(grid: &Grid, samples: &Samples, edge: usize, reach: usize) -> Bricks {
         assert!(edge.is_power_of_two(), "bricks of {edge} cells");
         let voxels = grid.dims();
         let dims = voxels.map(|n| (n - 1).div_ceil(edge).max(1));
-        let bricks = Blocks { edge, voxels, dims };
+        let bricks = Blocks {
+            edge,
+            reach,
+            voxels,
+            dims,
+        };
         let ranges = match samples {
             Samples::U8(samples) => Ranges::U8(bricks.ranges(samples, |s| s, [u8::MAX, u8::MIN])),
             Samples::I8(samples) => Ranges::I8(bricks.ranges(samples, |s| s, [i8::MAX, i8::MIN])),
@@ -125,12 +140,22 @@ impl Bricks {
                 with_samples!(samples, s => Ranges::F32(bricks.ranges(s, Sample::to_f32, [lo, hi])))
             }
         };
-        Bricks { edge, dims, ranges }
+        Bricks {
+            edge,
+            reach,
+            dims,
+            ranges,
+        }
     }
 
     /// Cells along the edge of these bricks.
     pub fn edge(&self) -> usize {
         self.edge
+    }
+
+    /// Voxels that ranges cover beyond the corners of the cells, to every side.
+    pub fn reach(&self) -> usize {
+        self.reach
     }
 
     /// Number of bricks along x, y, z.
@@ -183,6 +208,7 @@ impl Bricks {
 /// How a volume is cut into bricks.
 struct Blocks {
     edge: usize,
+    reach: usize,
     /// Number of voxels along x, y, z.
     voxels: [usize; 3],
     /// Number of bricks along x, y, z.
@@ -241,10 +267,10 @@ impl Blocks {
         ranges
     }
 
-    /// The voxels at the corners of the cells of brick `brick` on an axis of `n` voxels.
+    /// The voxels that brick `brick` covers on an axis of `n` voxels.
     fn touched(&self, brick: usize, n: usize) -> std::ops::Range<usize> {
         let first = brick * self.edge;
-        first..(first + self.edge + 1).min(n)
+        first.saturating_sub(self.reach)..(first + self.edge + 1 + self.reach).min(n)
     }
 }
 
@@ -255,7 +281,7 @@ mod tests {
 
     /// The definition, voxel by voxel.
     fn brute_force(
-        edge: usize,
+        [edge, reach]: [usize; 2],
         voxels: [usize; 3],
         samples: &Samples,
         brick: [usize; 3],
@@ -267,7 +293,7 @@ mod tests {
                     let inside = [x, y, z]
                         .iter()
                         .zip(brick)
-                        .all(|(&v, b)| v >= edge * b && v <= edge * b + edge);
+                        .all(|(&v, b)| v + reach >= edge * b && v <= edge * b + edge + reach);
                     let stored = samples.get(x + voxels[0] * (y + voxels[1] * z)) as f32;
                     if inside && !stored.is_nan() {
                         range.lo = range.lo.min(stored);
@@ -287,6 +313,7 @@ mod tests {
             seed in any::<u32>(),
             kind in 0..6,
             edge in prop_oneof![Just(4), Just(8), Just(16)],
+            reach in 0usize..3,
         ) {
             let count = voxels.iter().product::<usize>() as u32;
             let noise = (0..count).map(|i| (i ^ seed).wrapping_mul(2_654_435_761) >> 16);
@@ -299,14 +326,14 @@ mod tests {
                 _ => Samples::F32(noise.map(|n| if n % 5 == 0 { f32::NAN } else { n as f32 - 3e4 }).collect()),
             };
             let grid = Grid::centred(voxels, glam::DVec3::ONE).unwrap();
-            let bricks = Bricks::of(&grid, &samples, edge);
+            let bricks = Bricks::of(&grid, &samples, edge, reach);
             prop_assert_eq!(bricks.map(|range| range), bricks.ranges().collect::<Vec<_>>());
             for z in 0..bricks.dims()[2] {
                 for y in 0..bricks.dims()[1] {
                     for x in 0..bricks.dims()[0] {
                         prop_assert_eq!(
                             bricks.range([x, y, z]),
-                            brute_force(edge, voxels, &samples, [x, y, z])
+                            brute_force([edge, reach], voxels, &samples, [x, y, z])
                         );
                     }
                 }
@@ -318,7 +345,7 @@ mod tests {
     fn number_of_bricks_covers_every_cell() {
         for (voxels, bricks) in [(1, 1), (2, 1), (9, 1), (10, 2), (17, 2), (18, 3)] {
             let grid = Grid::centred([voxels, 1, 1], glam::DVec3::ONE).unwrap();
-            let made = Bricks::of(&grid, &Samples::U8(vec![0; voxels]), 8);
+            let made = Bricks::of(&grid, &Samples::U8(vec![0; voxels]), 8, 0);
             assert_eq!(made.dims(), [bricks, 1, 1], "{voxels} voxels");
         }
     }
@@ -326,7 +353,7 @@ mod tests {
     #[test]
     fn nothing_but_nan_is_an_empty_range() {
         let grid = Grid::centred([2, 2, 2], glam::DVec3::ONE).unwrap();
-        let bricks = Bricks::of(&grid, &Samples::F64(vec![f64::NAN; 8]), 8);
+        let bricks = Bricks::of(&grid, &Samples::F64(vec![f64::NAN; 8]), 8, 0);
         assert!(bricks.range([0, 0, 0]).is_empty());
     }
 }

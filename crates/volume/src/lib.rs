@@ -21,6 +21,7 @@
 
 #![warn(missing_docs)]
 
+pub mod bends;
 pub mod bricks;
 mod datasets;
 mod error;

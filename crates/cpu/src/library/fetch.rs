@@ -36,6 +36,13 @@ pub trait Fetch<S: Level>: Sync {
         [pair(0, 0), pair(dy, 0), pair(0, dz), pair(dy, dz)]
     }
 
+    /// The stored numbers of four voxels in a row along x, the first of which is `voxel`; all lie inside the grid. `None`
+    /// where voxels have to be fetched one by one.
+    #[inline(always)]
+    fn four(&self, _voxel: [I32s<S>; 3]) -> Option<[F32s<S>; 4]> {
+        None
+    }
+
     /// The stored numbers of the voxels one further out along each axis, too, of cells that are not at
     /// the border; `None` where voxels have to be fetched one by one.
     #[inline(always)]
@@ -237,7 +244,7 @@ impl<'v, T: Sample> Linear<'v, T> {
     /// # Safety
     /// They lie inside the samples.
     #[inline(always)]
-    unsafe fn four<S: Level>(&self, offset: I32s<S>, bytes: i32) -> [F32s<S>; 4] {
+    unsafe fn four_at<S: Level>(&self, offset: I32s<S>, bytes: i32) -> [F32s<S>; 4] {
         // SAFETY: as the caller promises.
         unsafe {
             if Self::SIZE == 1 {
@@ -308,6 +315,15 @@ impl<S: Level, T: Sample> Fetch<S> for Linear<'_, T> {
     }
 
     #[inline(always)]
+    fn four(&self, voxel: [I32s<S>; 3]) -> Option<[F32s<S>; 4]> {
+        if !self.is_gathered {
+            return None;
+        }
+        // SAFETY: all four lie inside the grid; of the smallest type they are a word of four bytes.
+        Some(unsafe { self.four_at(self.offset(voxel), 0) })
+    }
+
+    #[inline(always)]
     fn surroundings(&self, cell: [I32s<S>; 3]) -> Option<Surroundings<S>> {
         let [_, row, slice] = each!(self.shape.stride, |stride| stride as i32 * Self::SIZE);
         if !self.is_gathered || self.shape.last_cell.iter().any(|&last| last < 2) {
@@ -319,7 +335,7 @@ impl<S: Level, T: Sample> Fetch<S> for Linear<'_, T> {
         Some(unsafe {
             let four = inlined(
                 #[inline(always)]
-                |y: i32, z: i32| self.four(offset, y * row + z * slice - Self::SIZE),
+                |y: i32, z: i32| self.four_at(offset, y * row + z * slice - Self::SIZE),
             );
             let pair = inlined(
                 #[inline(always)]

@@ -22,6 +22,8 @@ pub trait Values<S: Level>: Sync {
     fn shape(&self) -> &Shape;
     /// The values at `position` (voxel space).
     fn at(&self, position: Vec3s<S>) -> F32s<S>;
+    /// The values at `position` linear between voxels, whatever the method.
+    fn linear(&self, position: Vec3s<S>) -> F32s<S>;
     /// The values of single voxels; indices beyond the border give the voxel at the border.
     fn voxel(&self, voxel: [I32s<S>; 3]) -> F32s<S>;
     /// Half the difference between the values one voxel to either side of `position` along each axis,
@@ -147,6 +149,13 @@ impl<S: Level, F: Fetch<S>> Values<S> for Reconstruction<F> {
         )
     }
 
+    fn linear(&self, position: Vec3s<S>) -> F32s<S> {
+        vectorized::<S, _>(
+            #[inline(always)]
+            || self.rescaled(trilinear::stored(&self.fetch, position)),
+        )
+    }
+
     fn voxel(&self, voxel: [I32s<S>; 3]) -> F32s<S> {
         vectorized::<S, _>(
             #[inline(always)]
@@ -205,18 +214,67 @@ fn cubic<S: Level, F: Fetch<S>>(
         },
     );
     let taps = [tap(0), tap(1), tap(2), tap(3)];
+    let row_along_x = RowAlongX::new(shape, cell[0]);
     let mut sum = F32s::zero();
     for z in 0..4 {
         let mut plane = F32s::zero();
         for y in 0..4 {
+            let (y_tap, z_tap) = (taps[y][1], taps[z][2]);
+            let numbers = match row_along_x.numbers(fetch, y_tap, z_tap) {
+                Some(numbers) => numbers,
+                None => [
+                    fetch.fetch([taps[0][0], y_tap, z_tap]),
+                    fetch.fetch([taps[1][0], y_tap, z_tap]),
+                    fetch.fetch([taps[2][0], y_tap, z_tap]),
+                    fetch.fetch([taps[3][0], y_tap, z_tap]),
+                ],
+            };
             let mut row = F32s::zero();
             for x in 0..4 {
-                let voxel = [taps[x][0], taps[y][1], taps[z][2]];
-                row += fetch.fetch(voxel) * weights[0][x];
+                row += numbers[x] * weights[0][x];
             }
             plane += row * weights[1][y];
         }
         sum += plane * weights[2][z];
     }
     sum
+}
+
+/// Four voxels in a row around cells, those beyond the border replaced by that at the border.
+struct RowAlongX<S: Level> {
+    /// The first one that is fetched; `None` where no row has four.
+    first: Option<I32s<S>>,
+    /// Where the first one lies beyond the border, or the last.
+    beyond: [Mask<S>; 2],
+    is_inside: bool,
+}
+
+impl<S: Level> RowAlongX<S> {
+    #[inline(always)]
+    fn new(shape: &Shape, cell: I32s<S>) -> RowAlongX<S> {
+        let last_cell = shape.last_cell[0];
+        let lower = cell.lt(I32s::splat(1));
+        let upper = I32s::splat(last_cell - 1).lt(cell);
+        let first = (cell + I32s::splat(-1)).max(0).min(last_cell - 2);
+        RowAlongX {
+            first: (last_cell >= 2).then_some(first),
+            beyond: [lower, upper],
+            is_inside: !(lower | upper).any(),
+        }
+    }
+
+    #[inline(always)]
+    fn numbers<F: Fetch<S>>(&self, fetch: &F, y: I32s<S>, z: I32s<S>) -> Option<[F32s<S>; 4]> {
+        let [a, b, c, d] = fetch.four([self.first?, y, z])?;
+        if self.is_inside {
+            return Some([a, b, c, d]);
+        }
+        let [lower, upper] = self.beyond;
+        Some([
+            upper.select(b, a),
+            upper.select(c, lower.select(a, b)),
+            upper.select(d, lower.select(b, c)),
+            lower.select(c, d),
+        ])
+    }
 }

@@ -5,7 +5,12 @@ use crate::library::fetch::Fetch;
 /// The uniform cubic B-spline over 64 voxels.
 #[inline(always)]
 pub fn stored<S: Level, F: Fetch<S>>(fetch: &F, position: Vec3s<S>) -> F32s<S> {
-    super::cubic(fetch, position, weights)
+    super::cubic(
+        fetch,
+        position,
+        #[inline(always)]
+        |a| weights(a),
+    )
 }
 
 /// The weights of the four voxels along an axis, `a` behind the second of them.

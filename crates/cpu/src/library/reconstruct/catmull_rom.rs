@@ -5,7 +5,12 @@ use crate::library::fetch::Fetch;
 /// The spline of E. Catmull and R. Rom (1974) over 64 voxels.
 #[inline(always)]
 pub fn stored<S: Level, F: Fetch<S>>(fetch: &F, position: Vec3s<S>) -> F32s<S> {
-    super::cubic(fetch, position, weights)
+    super::cubic(
+        fetch,
+        position,
+        #[inline(always)]
+        |a| weights(a),
+    )
 }
 
 #[inline(always)]
