@@ -1,5 +1,7 @@
 //! Single slots over many packets, for benches (feature `bench-kernels`): no part of what this crate promises.
 
+pub mod layout;
+
 use crate::lanes::{F32s, LANES, Vec3s, dot};
 use crate::levels::{Level, Task, dispatch, vectorized};
 use crate::library::reconstruct::values;
