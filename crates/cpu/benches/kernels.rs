@@ -11,6 +11,7 @@ use strahl_cpu::kernels::{Kernel, Packet, instructions, run};
 use strahl_cpu::{Options, Renderer, no_progress};
 use strahl_scene::plan::Plan;
 use strahl_scene::{Scene, resolve};
+use strahl_volume::bends::bends;
 use strahl_volume::bricks::Bricks;
 use strahl_volume::{Grid, Metadata, Phantom, Rescale, SampleType, Samples, Volume};
 
@@ -167,6 +168,25 @@ fn skipping(criterion: &mut Criterion) {
             |plan| renderer.render(&plan, &Options::default(), &no_progress),
             BatchSize::PerIteration,
         );
+    });
+    // Likewise a clip that moves.
+    group.bench_function("what a clip leaves of it, 256³", |bench| {
+        bench.iter_batched(
+            || {
+                edits += 1e-4;
+                let (low, high) = (0.2 + edits % 0.1, 0.8 + edits % 0.1);
+                scene(&format!(
+                    r#""clips": [{{ "ellipsoid": {{
+                        "min": [{low}, 0.2, 0.3], "max": [{high}, 0.7, 0.6], "space": "fraction"
+                    }} }}], "size": [1, 1]"#
+                ))
+            },
+            |plan| renderer.render(&plan, &Options::default(), &no_progress),
+            BatchSize::PerIteration,
+        );
+    });
+    group.bench_function("second differences of 256³, u8", |bench| {
+        bench.iter_with_large_drop(|| bends(black_box(&shells), BRICK_EDGE));
     });
     // Nothing reaches the threshold but the brightest voxels: of each ray only jumps are left.
     let plan = scene(

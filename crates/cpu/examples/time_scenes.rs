@@ -38,7 +38,7 @@ fn main() {
         let mut data = Datasets::from(if is_of_tree { &tree } else { &anatomy });
         match name {
             "two-volumes" => data.volumes.push(&shells),
-            "mask" => data.masks.push(&shells),
+            "mask" | "mask-of-little" => data.masks.push(&shells),
             _ => {}
         }
         let draw = drawing(&data, change, number("size", 256));
@@ -77,7 +77,7 @@ fn drawing(data: &Datasets, change: &str, size: usize) -> impl Fn() -> u64 {
 }
 
 /// Name, whether it shows the tree (the anatomy, if not), and what differs from the default scene.
-const SCENES: [(&str, bool, &str); 18] = [
+const SCENES: [(&str, bool, &str); 20] = [
     ("default", false, ""),
     (
         "two-volumes",
@@ -88,6 +88,18 @@ const SCENES: [(&str, bool, &str); 18] = [
         "mask",
         true,
         r#""clips": [{ "mask": { "path": "shells", "threshold": 0.4 } }]"#,
+    ),
+    (
+        "mask-of-little",
+        false,
+        r#""clips": [{ "mask": { "path": "shells", "threshold": 0.8 } }]"#,
+    ),
+    (
+        "ball",
+        false,
+        r#""clips": [
+            { "ellipsoid": { "min": [0.3, 0.2, 0.3], "max": [0.7, 0.6, 0.7], "space": "fraction" } },
+        ]"#,
     ),
     (
         "clips",
