@@ -200,17 +200,29 @@ struct Peers {
 }
 
 /// Seconds of all rounds.
-#[derive(Default)]
+#[derive(Clone, Default)]
 struct Seconds {
     frames: Vec<f64>,
     first: Vec<f64>,
+    /// Of each frame of the orbit, the shortest of all rounds.
+    shortest: Vec<f64>,
 }
 
 impl Seconds {
     fn add(&mut self, line: &Value) -> Result<()> {
-        self.frames.extend(numbers(line, "seconds")?);
+        let frames = numbers(line, "seconds")?;
+        self.shortest.resize(frames.len(), f64::INFINITY);
+        for (shortest, seconds) in self.shortest.iter_mut().zip(&frames) {
+            *shortest = shortest.min(*seconds);
+        }
+        self.frames.extend(frames);
         self.first.push(number(line, "first_s")?);
         Ok(())
+    }
+
+    /// How many times as fast `other` is, by the shortest times of every frame.
+    fn over(&self, other: &Seconds) -> f64 {
+        self.shortest.iter().sum::<f64>() / other.shortest.iter().sum::<f64>()
     }
 }
 
@@ -245,18 +257,19 @@ impl Peers {
             "Strahl, first",
         ]);
         let mut scaling = Table::new(&["case", "VTK", "Strahl"]);
+        let mut ratios = Vec::new();
         let mut version = String::new();
         let mut window = Vec::new();
         for case in cases {
             for mode in modes {
-                let mut medians = Vec::new();
-                for threads in &arguments.threads {
-                    let [vtk, strahl] =
-                        self.in_turns(arguments, case, mode, *threads, ONE_VOXEL, |line| {
-                            version = line["renderer"].as_str().unwrap_or("VTK").to_owned();
-                            window.push(number(line, "window_s")?);
-                            Ok(())
-                        })?;
+                let threads = &arguments.threads;
+                let of_threads =
+                    self.in_turns(arguments, case, mode, threads, ONE_VOXEL, |line| {
+                        version = line["renderer"].as_str().unwrap_or("VTK").to_owned();
+                        window.push(number(line, "window_s")?);
+                        Ok(())
+                    })?;
+                for ([vtk, strahl], threads) in of_threads.iter().zip(threads) {
                     let (theirs, ours) = (median(&vtk.frames), median(&strahl.frames));
                     table.row(&[
                         format!("{case}, {}", title(mode)),
@@ -268,11 +281,12 @@ impl Peers {
                         milliseconds(median(&strahl.first)),
                     ]);
                     eprintln!("{case}, {mode}, {threads} threads: 1/{:.1}", theirs / ours);
-                    medians.push([theirs, ours]);
                 }
-                if let [one, .., all] = medians[..] {
-                    let times = |who: usize| format!("{:.2} ×", one[who] / all[who]);
-                    scaling.row(&[format!("{case}, {}", title(mode)), times(0), times(1)]);
+                if let [few, .., most] = &of_threads[..] {
+                    let times = [0, 1].map(|who| few[who].over(&most[who]));
+                    ratios.push(times);
+                    let [theirs, ours] = times.map(|times| format!("{times:.2} ×"));
+                    scaling.row(&[format!("{case}, {}", title(mode)), theirs, ours]);
                 }
             }
         }
@@ -289,44 +303,56 @@ impl Peers {
             table.text
         );
         if let [few, .., most] = arguments.threads[..] {
+            let mean = |who: usize| {
+                ratios.iter().map(|r: &[f64; 2]| r[who]).sum::<f64>() / ratios.len() as f64
+            };
+            scaling.row(&[
+                "mean".to_owned(),
+                format!("{:.2} ×", mean(0)),
+                format!("{:.2} ×", mean(1)),
+            ]);
             text += &format!(
-                "\nFrom {few} to {most} threads, times as fast:\n\n{}",
+                "\nFrom {few} to {most} threads, times as fast, by the shortest time that each frame took in any of the \
+                 rounds, in which both have their turns:\n\n{}",
                 scaling.text
             );
         }
         Ok(text)
     }
 
-    /// The seconds of VTK and of Strahl in turns, the latter with a `sampling`; `look` gets what VTK has printed.
+    /// The seconds of VTK and of Strahl in turns, the latter with a `sampling`, for each number of threads; `look` gets
+    /// what VTK has printed.
     fn in_turns(
         &self,
         arguments: &Arguments,
         case: &str,
         mode: &str,
-        threads: u32,
+        threads: &[u32],
         sampling: Sampling,
         mut look: impl FnMut(&Value) -> Result<()>,
-    ) -> Result<[Seconds; 2]> {
-        let (mut vtk, mut strahl) = (Seconds::default(), Seconds::default());
+    ) -> Result<Vec<[Seconds; 2]>> {
+        let mut of_threads = vec![[Seconds::default(), Seconds::default()]; threads.len()];
         for round in 0..arguments.rounds {
             // Neither is always the one that finds the machine warm.
             for turn in [round % 2, 1 - round % 2] {
-                if turn == 0 {
-                    let (frames, threads) = (arguments.frames.to_string(), threads.to_string());
-                    let mut command = self.vtk(case, mode);
-                    command.args(["--frames", &frames, "--threads", &threads]);
-                    let line = only_line(&mut command)?;
-                    look(&line)?;
-                    vtk.add(&line)?;
-                } else {
-                    let mut command = self.strahl(case, mode, sampling);
-                    command.arg(format!("frames={}", arguments.frames));
-                    command.arg(format!("threads={threads}"));
-                    strahl.add(&only_line(&mut command)?)?;
+                for ([vtk, strahl], threads) in of_threads.iter_mut().zip(threads) {
+                    if turn == 0 {
+                        let (frames, threads) = (arguments.frames.to_string(), threads.to_string());
+                        let mut command = self.vtk(case, mode);
+                        command.args(["--frames", &frames, "--threads", &threads]);
+                        let line = only_line(&mut command)?;
+                        look(&line)?;
+                        vtk.add(&line)?;
+                    } else {
+                        let mut command = self.strahl(case, mode, sampling);
+                        command.arg(format!("frames={}", arguments.frames));
+                        command.arg(format!("threads={threads}"));
+                        strahl.add(&only_line(&mut command)?)?;
+                    }
                 }
             }
         }
-        Ok([vtk, strahl])
+        Ok(of_threads)
     }
 
     /// The table of times where Strahl samples otherwise than once per voxel.
@@ -349,8 +375,9 @@ impl Peers {
             errors,
         } in others
         {
-            let seconds = self.in_turns(arguments, case, mode, threads, *sampling, |_| Ok(()))?;
-            let [theirs, ours] = seconds.map(|seconds| median(&seconds.frames));
+            let seconds =
+                self.in_turns(arguments, case, mode, &[threads], *sampling, |_| Ok(()))?;
+            let [theirs, ours] = [0, 1].map(|who| median(&seconds[0][who].frames));
             table.row(&[
                 format!("{case}, {}", title(mode)),
                 sampling.title.to_owned(),
