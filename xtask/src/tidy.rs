@@ -6,6 +6,7 @@
 mod coverage;
 mod dependencies;
 mod glossary;
+mod lanes;
 mod links;
 mod names;
 mod pages;
@@ -63,6 +64,7 @@ pub fn run(root: &Path) -> Result<bool> {
     findings.extend(names::check(&tree));
     findings.extend(coverage::check(&tree));
     findings.extend(glossary::check(&tree));
+    findings.extend(lanes::check(&tree));
     findings.extend(pages::check(&tree));
     findings.extend(links::check(&tree));
     for finding in &findings {

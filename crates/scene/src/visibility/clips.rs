@@ -50,15 +50,11 @@ enum Part {
 }
 
 impl Part {
-    fn if_outside(is_outside: bool) -> Part {
-        if is_outside { Part::None } else { Part::Some }
-    }
-
     fn of(is_all: bool, is_none: bool) -> Part {
-        if is_all {
-            Part::All
-        } else {
-            Part::if_outside(is_none)
+        match (is_all, is_none) {
+            (true, _) => Part::All,
+            (_, true) => Part::None,
+            _ => Part::Some,
         }
     }
 

@@ -5,6 +5,7 @@ use crate::library::reconstruct::Values;
 
 /// The eight voxels around are classified, and the premultiplied colours interpolated: what programs
 /// did that classify first, for comparison.
+#[inline(always)]
 pub fn at<S: Level>(table: &Table, values: &dyn Values<S>, position: Vec3s<S>) -> Surface<S> {
     let shape = values.shape();
     let clamped = shape.clamp(position);

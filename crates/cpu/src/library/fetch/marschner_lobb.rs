@@ -17,6 +17,8 @@ impl<S: Level> Fetch<S> for MarschnerLobb {
         &self.shape
     }
 
+    /// Lane by lane.
+    #[inline(never)]
     fn fetch(&self, voxel: [I32s<S>; 3]) -> F32s<S> {
         F32s::from_array(lanes(|i| {
             let voxel = each!(voxel, |axis| axis.lane(i) as usize);

@@ -64,6 +64,8 @@ impl<S: Level> Fetch<S> for Noise {
         &self.shape
     }
 
+    /// Lane by lane.
+    #[inline(never)]
     fn fetch(&self, voxel: [I32s<S>; 3]) -> F32s<S> {
         F32s::from_array(lanes(|i| {
             self.at(each!(voxel, |axis| axis.lane(i) as usize))
