@@ -36,7 +36,7 @@ fn main() {
         let grid = Grid::centred([edge; 3], glam::DVec3::ONE).expect("a grid");
         let number = grid.voxel_count();
         let voxels: Vec<u8> = (0..number)
-            .map(|i| (i * 2_654_435_761 >> 20) as u8)
+            .map(|i| (i.wrapping_mul(2_654_435_761) >> 20) as u8)
             .collect();
         let mut fastest = [[f64::INFINITY; DIRECTIONS.len() + 1]; Layout::ALL.len()];
         let mut bytes = [0; Layout::ALL.len()];
