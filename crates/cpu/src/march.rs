@@ -126,7 +126,7 @@ impl<S: Level> Packet<'_, S> {
                 continue;
             }
             let sampled = object.clips.keep(position, live);
-            let (moving, sampled) = self.unless_rejected(object, position, live, sampled);
+            let (moving, sampled) = self.moving_and_sampled(object, position, live, sampled);
             let stride = match &mut strides {
                 Some(strides) => {
                     let shape = object.values.shape();
@@ -175,18 +175,17 @@ impl<S: Level> Packet<'_, S> {
     /// Which rays of `live` are to be moved on, and which of them are to be `sampled`: where many samples are rejected, only
     /// their rays, without a sample. The others wait, so that sampling happens for as many rays as possible.
     #[inline(always)]
-    fn unless_rejected(
+    fn moving_and_sampled(
         &self,
         object: &Object<S>,
         position: Vec3s<S>,
         live: Mask<S>,
         sampled: Mask<S>,
     ) -> (Mask<S>, Mask<S>) {
-        let Some(rejection) = &object.rejection else {
+        if object.rejection.is_none() {
             return (live, sampled);
-        };
-        let so_far = self.state.value;
-        let seen = rejection.may_be_seen(object.values, position, so_far, sampled);
+        }
+        let seen = object.unless_rejected(position, self.state.value, sampled);
         let rejected = live & !seen;
         if 2 * rejected.count() > live.count() {
             (rejected, Mask::none())
@@ -375,11 +374,8 @@ impl<S: Level> Packet<'_, S> {
     /// The look of a volume at `position` where it is not clipped.
     #[inline(always)]
     fn look(&mut self, object: &Object<S>, position: Vec3s<S>, live: Mask<S>) -> Look<S> {
-        let mut sampled = object.clips.keep(position, live);
-        if let Some(rejection) = &object.rejection {
-            let so_far = self.state.value;
-            sampled = rejection.may_be_seen(object.values, position, so_far, sampled);
-        }
+        let sampled = object.clips.keep(position, live);
+        let sampled = object.unless_rejected(position, self.state.value, sampled);
         if !sampled.any() {
             return Look::nothing();
         }

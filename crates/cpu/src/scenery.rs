@@ -196,6 +196,16 @@ impl<'p, S: Level> Object<'p, S> {
         }
     }
 
+    /// Which samples of those `asked` may be seen, as far as that is known without reconstructing them; see
+    /// [`Rejection::may_be_seen`].
+    #[inline(always)]
+    pub fn unless_rejected(&self, position: Vec3s<S>, so_far: F32s<S>, asked: Mask<S>) -> Mask<S> {
+        match &self.rejection {
+            Some(rejection) => rejection.may_be_seen(self.values, position, so_far, asked),
+            None => asked,
+        }
+    }
+
     /// Slot classify, where `asked`; anything elsewhere.
     #[inline(always)]
     pub fn classify(&self, value: F32s<S>, position: Vec3s<S>, asked: Mask<S>) -> Surface<S> {

@@ -41,6 +41,7 @@ impl<S: Level> Packet<'_, S> {
             };
             let kept = self.kept(object, k, run, live);
             let sampled = live & zero.lt(kept);
+            let sampled = object.unless_rejected(position, self.state.value, sampled);
             if sampled.any() {
                 let value = self.value(object, position, sampled);
                 let sampled = sampled & value.is_finite();

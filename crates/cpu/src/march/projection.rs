@@ -179,15 +179,13 @@ impl<S: Level> Packet<'_, S> {
             self.skipped = live.select(self.skipped - one, self.skipped);
             let place = k + rays.jitter;
             let position = line.position(place);
-            let mut sampled = object.clips.keep(position, live);
-            if let Some(rejection) = &object.rejection {
-                let so_far = if bounds.is_negative() {
-                    -self.state.value
-                } else {
-                    self.state.value
-                };
-                sampled = rejection.may_be_seen(object.values, position, so_far, sampled);
-            }
+            let so_far = if bounds.is_negative() {
+                -self.state.value
+            } else {
+                self.state.value
+            };
+            let sampled = object.clips.keep(position, live);
+            let sampled = object.unless_rejected(position, so_far, sampled);
             if sampled.any() {
                 let value = object.values.at(position);
                 self.sampled += sampled.select(one, F32s::zero());
