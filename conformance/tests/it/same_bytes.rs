@@ -224,7 +224,6 @@ fn with_clips_of_every_shape() {
         skipping += usize::from(skipped > 0.0);
         shown += usize::from(skipped < 1.0);
     }
-    println!("{skipping} {shown}");
     assert!(skipping >= 100 && shown >= 200, "{skipping}, {shown}");
 }
 

@@ -46,13 +46,8 @@ impl Clipped {
             Sampling::Refine { .. } => is_projection,
             _ => false,
         };
-        let of_object = |clip: &&SampleClip| clip.objects >> object & 1 == 1;
-        let clips: Vec<SampleClip> = plan
-            .sample_clips
-            .iter()
-            .filter(of_object)
-            .copied()
-            .collect();
+        let of_object = plan.sample_clips.iter().filter(|clip| clip.cuts(object));
+        let clips: Vec<SampleClip> = of_object.copied().collect();
         if clips.is_empty() || !is_of_points {
             return None;
         }

@@ -10,7 +10,7 @@ use crate::lanes::{F32s, I32s, Mask, Vec3s, words};
 use crate::levels::{Level, inlined, vectorized};
 use crate::library::classify::Between;
 use crate::library::reconstruct::Values;
-use crate::skip::{Skip, brick_number};
+use crate::skip::{Skip, brick_number, rounded_up};
 use std::sync::Arc;
 use strahl_scene::plan::{Classify, Composite, Fetch, Plan, Reconstruct};
 use strahl_volume::bends::bends;
@@ -44,7 +44,7 @@ impl OfCubic {
             });
         // Of voxels without a value nothing is known, and sums of larger numbers overflow.
         let is_whole = volume.statistics().not_finite == 0 && largest < 1e36;
-        let half = |number: f32| (number.abs().to_bits().saturating_add(0xFFFF)) >> 16;
+        let half = |number: f32| u32::from(rounded_up(number.abs()));
         // Words are gathered at 32-bit offsets.
         let fits = bricks.number() <= i32::MAX as usize / 8;
         let bends = (is_whole && fits).then(|| Bends {

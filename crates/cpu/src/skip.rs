@@ -222,7 +222,7 @@ fn larger(numbers: &mut [f32], other: &[f32]) {
 }
 
 /// The upper half of the bits of the least number that is not below `bound` and has zeros in the lower half.
-fn rounded_up(bound: f32) -> u16 {
+pub fn rounded_up(bound: f32) -> u16 {
     let bits = bound.to_bits();
     let up = if bound.is_sign_negative() { 0 } else { 0xFFFF };
     (bits.saturating_add(up) >> 16) as u16

@@ -592,6 +592,13 @@ pub struct SampleClip {
     pub objects: ObjectSet,
 }
 
+impl SampleClip {
+    /// Whether it cuts object number `object`.
+    pub fn cuts(&self, object: usize) -> bool {
+        self.objects >> object & 1 == 1
+    }
+}
+
 /// A shape in the cube from −0.5 to 0.5.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ClipShape {

@@ -146,8 +146,7 @@ fn of_reached_further<T: Send>(bricks: &Bricks, of: impl Fn(BrickRange) -> T + S
     // The next bricks hold them.
     let ranges = bricks.ranges().collect();
     let ranges = joined_with_neighbours(bricks.dims(), ranges, |range, other| {
-        range.lo = range.lo.min(other.lo);
-        range.hi = range.hi.max(other.hi);
+        *range = range.joined(*other);
     });
     ranges.into_iter().map(of).collect()
 }

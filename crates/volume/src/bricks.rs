@@ -83,6 +83,14 @@ impl BrickRange {
         hi: f32::NEG_INFINITY,
     };
 
+    /// The numbers of both, and those between.
+    pub fn joined(self, other: BrickRange) -> BrickRange {
+        BrickRange {
+            lo: self.lo.min(other.lo),
+            hi: self.hi.max(other.hi),
+        }
+    }
+
     /// Whether the brick holds nothing but NaN.
     pub fn is_empty(&self) -> bool {
         self.lo > self.hi

@@ -35,8 +35,7 @@ impl<'v, S: Level> SampleClips<'v, S> {
         grid: &Grid,
         masks: &'v [Box<dyn Values<S> + 'v>],
     ) -> SampleClips<'v, S> {
-        let of_object = |clip: &&strahl_scene::plan::SampleClip| clip.objects >> object & 1 == 1;
-        let clips = plan.sample_clips.iter().filter(of_object);
+        let clips = plan.sample_clips.iter().filter(|clip| clip.cuts(object));
         let clip = |clip: &strahl_scene::plan::SampleClip| Clip {
             shape: match clip.shape {
                 ClipShape::Box => Shape::Box,

@@ -18,11 +18,10 @@ pub fn dropped<'m>(
     mask: impl Fn(usize) -> (&'m Volume, &'m Bricks),
 ) -> Option<Vec<bool>> {
     let grid = &plan.objects[object].grid;
-    let of_object = plan
+    let clips: Vec<Clip> = plan
         .sample_clips
         .iter()
-        .filter(|clip| clip.objects >> object & 1 == 1);
-    let clips: Vec<Clip> = of_object
+        .filter(|clip| clip.cuts(object))
         .map(|clip| Clip::new(clip, grid.world_from_voxel(), &mask))
         .collect();
     if clips.is_empty() {
@@ -34,10 +33,10 @@ pub fn dropped<'m>(
         edge,
         voxels: grid.dims(),
         dropped: vec![false; dims.iter().product()],
-        any: false,
     };
     bricks.look_at(dims.map(|n| 0..n));
-    bricks.any.then_some(bricks.dropped)
+    let Dropping { dropped, .. } = bricks;
+    dropped.contains(&true).then_some(dropped)
 }
 
 /// How much of a box lies inside a shape.
@@ -195,7 +194,7 @@ impl<'m> Clip<'m> {
 
 impl Mask<'_> {
     fn new<'m>(volume: &'m Volume, bricks: &'m Bricks, threshold: f32) -> Mask<'m> {
-        let all = bricks.ranges().fold(BrickRange::EMPTY, joined);
+        let all = bricks.ranges().fold(BrickRange::EMPTY, BrickRange::joined);
         Mask {
             volume,
             bricks,
@@ -226,7 +225,7 @@ impl Mask<'_> {
         for z in bricks[2].clone() {
             for y in bricks[1].clone() {
                 for x in bricks[0].clone() {
-                    range = joined(range, self.bricks.range([x, y, z]));
+                    range = range.joined(self.bricks.range([x, y, z]));
                 }
             }
         }
@@ -246,13 +245,6 @@ impl Mask<'_> {
     }
 }
 
-fn joined(a: BrickRange, b: BrickRange) -> BrickRange {
-    BrickRange {
-        lo: a.lo.min(b.lo),
-        hi: a.hi.max(b.hi),
-    }
-}
-
 /// The bricks on the way to their answers.
 struct Dropping<'m> {
     clips: Vec<Clip<'m>>,
@@ -260,7 +252,6 @@ struct Dropping<'m> {
     edge: usize,
     voxels: [usize; 3],
     dropped: Vec<bool>,
-    any: bool,
 }
 
 impl Dropping<'_> {
@@ -269,7 +260,6 @@ impl Dropping<'_> {
         match self.kept(&block) {
             Part::All => {}
             Part::None => {
-                self.any = true;
                 let [nx, ny, _] = self.dims;
                 for z in block[2].clone() {
                     for y in block[1].clone() {
