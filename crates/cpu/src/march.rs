@@ -496,12 +496,15 @@ impl<S: Level> Packet<'_, S> {
     #[inline(always)]
     fn hit_here(&mut self, object: &Object<S>, line: &Line<S>, threshold: F32s<S>, hit: Mask<S>) {
         let (k, jitter) = (self.state.place, self.rays.jitter);
-        let reached = |s: F32s<S>| {
-            let position = line.position(s);
-            let value = object.values.at(position);
-            let reached = threshold.le(value) & value.is_finite();
-            object.clips.keep(position, reached)
-        };
+        let reached = inlined(
+            #[inline(always)]
+            |s: F32s<S>| {
+                let position = line.position(s);
+                let value = object.values.at(position);
+                let reached = threshold.le(value) & value.is_finite();
+                object.clips.keep(position, reached)
+            },
+        );
         // Before the first sample lies the entry, at which a ray may already be inside.
         let first = k.eq(F32s::zero());
         let before = first.select(F32s::zero(), k - F32s::splat(1.0) + jitter);

@@ -1,4 +1,4 @@
-//! Functions over lanes must be compiled for the instruction set of their caller.
+//! Functions and closures over lanes must be compiled for the instruction set of their caller.
 //!
 //! One that the compiler does not happen to inline has none of the wide instructions: each operation becomes a call, and
 //! pictures that need it take up to seven times as long, with the same bytes, so that no test notices.
@@ -14,7 +14,7 @@ const LANES: [&str; 5] = ["F32s<", "I32s<", "F64s<", "Mask<", "Vec3s<"];
 /// What the body begins with of a function that is compiled for the set on its own.
 const COMPILED_APART: &str = "vectorized::<S, _>(";
 
-/// Checks every function with lanes in its signature.
+/// Checks every function with lanes in its signature, every closure with lanes among its parameters.
 pub fn check(tree: &Tree) -> Vec<Finding> {
     tree.texts()
         .filter(|(path, _)| path.starts_with(FOLDER) && path.ends_with(".rs"))
@@ -28,6 +28,15 @@ fn check_file(path: &str, text: &str) -> Vec<Finding> {
     let lines = &lines[..tests.unwrap_or(lines.len())];
     let mut findings = Vec::new();
     for (number, line) in lines.iter().enumerate() {
+        if is_closure_over_lanes(line) && !says_how(&lines[..number]) {
+            findings.push(Finding::new(
+                path,
+                number + 1,
+                "a closure has lanes and does not say how it is inlined".to_owned(),
+                "Write it as `inlined(#[inline(always)] |…| …)`, the attribute in a line of its own"
+                    .to_owned(),
+            ));
+        }
         let Some(name) = function_name(line) else {
             continue;
         };
@@ -54,6 +63,14 @@ fn check_file(path: &str, text: &str) -> Vec<Finding> {
         ));
     }
     findings
+}
+
+/// Whether a closure begins in a line and has lanes among its parameters.
+fn is_closure_over_lanes(line: &str) -> bool {
+    let parameters = line.split('|').nth(1).unwrap_or_default();
+    LANES
+        .iter()
+        .any(|lanes| parameters.contains(&format!(": {lanes}")))
 }
 
 /// The name in a line that begins a function.
@@ -121,6 +138,11 @@ impl Values for X {
 pub unsafe fn words(
     at: I32s<S>,
 ) {
+    let anywhere = |at: I32s<S>| at;
+    let here = inlined(
+        #[inline(always)]
+        |at: I32s<S>, more: u32| anywhere(at),
+    );
 }
 
 #[cfg(test)]
@@ -130,6 +152,6 @@ mod tests {
 }
 ";
         let places: Vec<usize> = check_file("a.rs", text).iter().map(|f| f.line).collect();
-        assert_eq!(places, [1, 32]);
+        assert_eq!(places, [1, 32, 35]);
     }
 }

@@ -8,7 +8,7 @@
 
 use super::Packet;
 use crate::lanes::{F32s, I32s, LANES, Mask, Vec3s, each, lanes, rows, to_rows};
-use crate::levels::{Level, vectorized};
+use crate::levels::{Level, inlined, vectorized};
 use crate::library::classify::Surface;
 use crate::library::composite::emission_absorption;
 use crate::library::fetch::{Fetch, Linear, Shape};
@@ -131,7 +131,10 @@ impl<S: Level> Packet<'_, S> {
                 if waiting.number > 0 {
                     self.light(object, &mut waiting);
                 }
-                let channel = |c: usize| F32s::from_array(lanes(|lane| waiting.sums[lane][c]));
+                let channel = inlined(
+                    #[inline(always)]
+                    |c: usize| F32s::from_array(lanes(|lane| waiting.sums[lane][c])),
+                );
                 self.state.colour = each!([0, 1, 2], |c| channel(c));
                 walked
             },
