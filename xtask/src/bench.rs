@@ -3,11 +3,13 @@
 //! What is timed lies in examples and scripts that print lines of JSON; here they are built, run in turns and
 //! compared.
 
+mod cases;
 pub mod curves;
 pub mod peers;
 mod pictures;
 mod plot;
 pub mod scenes;
+pub mod threads;
 
 use crate::command::{cargo, output, succeeds};
 use crate::python::target_folder;
@@ -37,6 +39,18 @@ fn lines(command: &mut Command) -> Result<Vec<Value>> {
         serde_json::from_str(line).with_context(|| format!("this is no line of JSON: {line}"))
     });
     lines.collect()
+}
+
+/// The only line of JSON that a program prints.
+fn only_line(command: &mut Command) -> Result<Value> {
+    let mut lines = lines(command)?;
+    ensure!(
+        lines.len() == 1,
+        "{:?} printed {} lines instead of one",
+        command.get_program(),
+        lines.len()
+    );
+    Ok(lines.remove(0))
 }
 
 /// The numbers of the list called `key`.

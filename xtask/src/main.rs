@@ -51,6 +51,8 @@ enum Task {
     },
     /// Times frames beside VTK, in turns, and how far each is from its own converged picture.
     BenchPeers(bench::peers::Arguments),
+    /// Times frames with one thread, with more, and by separate processes, in turns.
+    BenchThreads(bench::threads::Arguments),
     /// Measures how time and memory grow with the volume, the picture, the step, the opacity.
     BenchCurves(bench::curves::Arguments),
     /// Times scenes that are not in the comparison with others beside an older commit, in turns.
@@ -86,6 +88,7 @@ fn main() -> Result<ExitCode> {
             verbose,
         } => oracle::run(&root, time, only.as_deref(), verbose)?,
         Task::BenchPeers(arguments) => bench::peers::run(&root, &arguments)?,
+        Task::BenchThreads(arguments) => bench::threads::run(&root, &arguments)?,
         Task::BenchCurves(arguments) => bench::curves::run(&root, &arguments)?,
         Task::BenchScenes(arguments) => bench::scenes::run(&root, &arguments)?,
         Task::Fuzz { target, seconds } => fuzz::run(&root, target.as_deref(), seconds)?,

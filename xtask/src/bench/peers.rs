@@ -1,16 +1,15 @@
 //! `cargo xtask bench-peers`: frame times and errors beside VTK's ray caster for processors.
 
+use super::cases::{self, MODES, title};
 use super::pictures::{Difference, Picture};
-use super::{Table, built_example, lines, median, milliseconds, number, numbers, publish};
+use super::{Table, built_example, median, milliseconds, number, numbers, only_line, publish};
 use crate::apt;
 use crate::command::succeeds;
 use crate::python::{environment, shared_data, target_folder};
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Result, bail};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
-
-const MODES: [&str; 4] = ["unshaded", "shaded", "mip", "first-hit"];
 
 /// What VTK loads, in Debian and Ubuntu.
 const PACKAGES: [&str; 4] = ["libgl1", "libxrender1", "libegl1", "libosmesa6"];
@@ -49,33 +48,7 @@ pub struct Arguments {
 /// # Errors
 /// A renderer cannot be built, installed or run.
 pub fn run(root: &Path, arguments: &Arguments) -> Result<bool> {
-    let text = std::fs::read_to_string(root.join("bench/cases.json"))?;
-    let spec: Value = serde_json::from_str(&text).context("bench/cases.json")?;
-    let cases = spec["cases"]
-        .as_object()
-        .context("cases.json has no cases")?;
-    if let Some(only) = &arguments.case {
-        let names: Vec<&str> = cases.keys().map(String::as_str).collect();
-        ensure!(
-            cases.contains_key(only),
-            "there is no case {only:?}; there are {}",
-            names.join(", ")
-        );
-    }
-    let data = shared_data(root);
-    let is_asked = |name: &String| arguments.case.as_ref().is_none_or(|only| only == name);
-    let mut names = Vec::new();
-    for (name, case) in cases.iter().filter(|(name, _)| is_asked(name)) {
-        let file = case["file"].as_str().context("a case names no file")?;
-        if data.join(file).is_file() {
-            names.push(name.as_str());
-        } else {
-            println!(
-                "skipped: {name} needs {}; STRAHL_SHARED may name another folder for `shared`",
-                data.join(file).display()
-            );
-        }
-    }
+    let names = cases::there(root, arguments.case.as_deref())?;
     if names.is_empty() {
         return Ok(true);
     }
@@ -84,13 +57,11 @@ pub fn run(root: &Path, arguments: &Arguments) -> Result<bool> {
         python: python_with_vtk(root)?,
         script: root.join("bench/vtk_peer.py"),
         scratch: target_folder(root)?.join("bench"),
-        data,
+        data: shared_data(root),
     };
     std::fs::create_dir_all(&peers.scratch)?;
-    let modes: Vec<&str> = MODES
-        .into_iter()
-        .filter(|mode| arguments.mode.as_ref().is_none_or(|only| only == mode))
-        .collect();
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    let modes = cases::modes(arguments.mode.as_deref());
     let mut body = peers.times(arguments, &names, &modes)?;
     println!("{body}");
     if !arguments.no_errors {
@@ -204,25 +175,13 @@ struct Peers {
 struct Seconds {
     frames: Vec<f64>,
     first: Vec<f64>,
-    /// Of each frame of the orbit, the shortest of all rounds.
-    shortest: Vec<f64>,
 }
 
 impl Seconds {
     fn add(&mut self, line: &Value) -> Result<()> {
-        let frames = numbers(line, "seconds")?;
-        self.shortest.resize(frames.len(), f64::INFINITY);
-        for (shortest, seconds) in self.shortest.iter_mut().zip(&frames) {
-            *shortest = shortest.min(*seconds);
-        }
-        self.frames.extend(frames);
+        self.frames.extend(numbers(line, "seconds")?);
         self.first.push(number(line, "first_s")?);
         Ok(())
-    }
-
-    /// How many times as fast `other` is, by the shortest times of every frame.
-    fn over(&self, other: &Seconds) -> f64 {
-        self.shortest.iter().sum::<f64>() / other.shortest.iter().sum::<f64>()
     }
 }
 
@@ -256,8 +215,6 @@ impl Peers {
             "VTK, first",
             "Strahl, first",
         ]);
-        let mut scaling = Table::new(&["case", "VTK", "Strahl"]);
-        let mut ratios = Vec::new();
         let mut version = String::new();
         let mut window = Vec::new();
         for case in cases {
@@ -282,15 +239,9 @@ impl Peers {
                     ]);
                     eprintln!("{case}, {mode}, {threads} threads: 1/{:.1}", theirs / ours);
                 }
-                if let [few, .., most] = &of_threads[..] {
-                    let times = [0, 1].map(|who| few[who].over(&most[who]));
-                    ratios.push(times);
-                    let [theirs, ours] = times.map(|times| format!("{times:.2} ×"));
-                    scaling.row(&[format!("{case}, {}", title(mode)), theirs, ours]);
-                }
             }
         }
-        let mut text = format!(
+        Ok(format!(
             "    cargo xtask bench-peers\n\n\
              Times of frames: medians of {} rounds of {} frames, the renderers in turns. {version} is its \
              `vtkFixedPointVolumeRayCastMapper`, with the camera, transfer function and step of `bench/cases.json`. \
@@ -301,23 +252,7 @@ impl Peers {
             milliseconds(median(&window)),
             FIRST_HIT_NOTE,
             table.text
-        );
-        if let [few, .., most] = arguments.threads[..] {
-            let mean = |who: usize| {
-                ratios.iter().map(|r: &[f64; 2]| r[who]).sum::<f64>() / ratios.len() as f64
-            };
-            scaling.row(&[
-                "mean".to_owned(),
-                format!("{:.2} ×", mean(0)),
-                format!("{:.2} ×", mean(1)),
-            ]);
-            text += &format!(
-                "\nFrom {few} to {most} threads, times as fast, by the shortest time that each frame took in any of the \
-                 rounds, in which both have their turns:\n\n{}",
-                scaling.text
-            );
-        }
-        Ok(text)
+        ))
     }
 
     /// The seconds of VTK and of Strahl in turns, the latter with a `sampling`, for each number of threads; `look` gets
@@ -494,23 +429,3 @@ impl Peers {
 const FIRST_HIT_NOTE: &str = "The mapper has no isosurfaces; its first hit is a stand-in, an \
     opacity of 1 from the threshold on, shaded, which stops at the first sample beyond the threshold and does not \
     search for the place between samples, as Strahl does.";
-
-/// A mode as tables call it.
-fn title(mode: &str) -> &str {
-    match mode {
-        "mip" => "MIP",
-        "first-hit" => "first hit",
-        other => other,
-    }
-}
-
-fn only_line(command: &mut Command) -> Result<Value> {
-    let mut lines = lines(command)?;
-    ensure!(
-        lines.len() == 1,
-        "{:?} printed {} lines instead of one",
-        command.get_program(),
-        lines.len()
-    );
-    Ok(lines.remove(0))
-}
