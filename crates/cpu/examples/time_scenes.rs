@@ -10,7 +10,7 @@
 use std::time::Instant;
 use strahl_cpu::{Options, Renderer, no_progress};
 use strahl_scene::{Headers, Scene, resolve_with};
-use strahl_volume::{Datasets, Phantom, Volume};
+use strahl_volume::{Datasets, Label, LabelIds, Metadata, Phantom, Rescale, Samples, Volume};
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -27,6 +27,7 @@ fn main() {
         phantom.volume(dims).expect("memory for a phantom")
     };
     let [tree, shells, anatomy] = [Phantom::Tree, Phantom::Shells, Phantom::Anatomy].map(phantom);
+    let of_labels = mask_of_labels(anatomy.grid().dims(), &["mandible", "teeth", "vertebrae"]);
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(number("threads", 2))
         .build()
@@ -39,6 +40,7 @@ fn main() {
         match name {
             "two-volumes" => data.volumes.push(&shells),
             "mask" | "mask-of-little" => data.masks.push(&shells),
+            "labels" => data.masks.push(&of_labels),
             _ => {}
         }
         let draw = drawing(&data, change, number("size", 256));
@@ -56,6 +58,33 @@ fn main() {
         // Written by hand: the older commit has no JSON here.
         println!(r#"{{"scene":"{name}","seconds":{seconds:?},"samples":{samples}}}"#);
     }
+}
+
+/// A mask of the tissues of the anatomy with these names; as `LabelVolume::mask`, which the older commit does not have.
+fn mask_of_labels(dims: [usize; 3], names: &[&str]) -> Volume {
+    let labels = Phantom::Anatomy.labels(dims).expect("memory for labels");
+    let labels = labels.expect("the anatomy has labels");
+    let is_named = |label: &&Label| names.contains(&label.name.as_str());
+    let inside: Vec<u32> = labels
+        .labels()
+        .iter()
+        .filter(is_named)
+        .map(|l| l.id)
+        .collect();
+    let LabelIds::U8(ids) = labels.ids() else {
+        panic!("few tissues have small ids");
+    };
+    let samples = ids
+        .iter()
+        .map(|&id| u8::from(inside.contains(&id.into())))
+        .collect();
+    Volume::new(
+        *labels.grid(),
+        Samples::U8(samples),
+        Rescale::IDENTITY,
+        Metadata::default(),
+    )
+    .expect("a sample for each voxel")
 }
 
 /// Draws the scene with the keys in `change`; gives the number of samples.
@@ -77,7 +106,7 @@ fn drawing(data: &Datasets, change: &str, size: usize) -> impl Fn() -> u64 {
 }
 
 /// Name, whether it shows the tree (the anatomy, if not), and what differs from the default scene.
-const SCENES: [(&str, bool, &str); 20] = [
+const SCENES: [(&str, bool, &str); 21] = [
     ("default", false, ""),
     (
         "two-volumes",
@@ -93,6 +122,11 @@ const SCENES: [(&str, bool, &str); 20] = [
         "mask-of-little",
         false,
         r#""clips": [{ "mask": { "path": "shells", "threshold": 0.8 } }]"#,
+    ),
+    (
+        "labels",
+        false,
+        r#""clips": [{ "mask": { "path": "labels" } }]"#,
     ),
     (
         "ball",

@@ -1,11 +1,11 @@
 //! Clip planes and boxes, as people write them.
 
 use crate::plan::{ALL_OBJECTS, ClipPlane, ClipShape, MOST_MASKS, ObjectSet, SampleClip};
-use crate::problem::{Checker, Within};
+use crate::problem::{Checker, Problems, Within};
 use glam::{DAffine3, DMat3, DQuat, DVec3, EulerRot};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use strahl_volume::Grid;
+use strahl_volume::{Grid, LabelVolume};
 
 /// Something that cuts a part of the picture away.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -71,12 +71,28 @@ pub struct MaskClip {
     /// Inside is where the mask, linear between its voxels, is above this; default 0.5.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub threshold: Option<f64>,
+    /// Instead of a threshold: the file holds labels, and these are inside, by their ids or by their names in the file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub labels: Option<Vec<LabelName>>,
     /// What is kept; default `inside`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub keep: Option<Keep>,
     /// Names of the objects that are cut; default all. `volume` is the scene's own volume.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub objects: Option<Vec<String>>,
+}
+
+/// A label, as people write it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(
+    untagged,
+    expecting = "the id of a label, a whole number from 0, or its name"
+)]
+pub enum LabelName {
+    /// Its id: the number that its voxels have.
+    Id(u32),
+    /// Its name in the file.
+    Name(String),
 }
 
 /// What the corners of a box count in.
@@ -148,7 +164,7 @@ impl Clip {
             Clip::Ellipsoid(clip) => Clip::Ellipsoid(shape(clip)),
             Clip::Cylinder(clip) => Clip::Cylinder(shape(clip)),
             Clip::Mask(mask) => Clip::Mask(MaskClip {
-                threshold: mask.threshold.or(Some(0.5)),
+                threshold: mask.threshold.or(mask.labels.is_none().then_some(0.5)),
                 keep: mask.keep.or(Some(Keep::Inside)),
                 ..mask
             }),
@@ -242,8 +258,48 @@ fn objects(
 }
 
 impl MaskClip {
+    /// The ids of the labels that are inside, found in the `labels` that its file holds; `path` is that of the clip
+    /// in the scene. None if it names none: its file is a mask as it is.
+    ///
+    /// # Errors
+    /// Each label that the file does not have.
+    pub fn label_ids(&self, path: &str, labels: &LabelVolume) -> Result<Vec<u32>, Problems> {
+        let names = self.labels.as_deref().unwrap_or(&[]);
+        let known = labels.known_ids();
+        let of_name = |name: &str| labels.labels().iter().find(|label| label.name == name);
+        let mut checker = Checker::default();
+        let mut ids = Vec::new();
+        for (i, name) in names.iter().enumerate() {
+            let id = match name {
+                LabelName::Id(id) => known.contains(id).then_some(*id),
+                LabelName::Name(name) => of_name(name).map(|label| label.id),
+            };
+            if id.is_none() {
+                let value = match name {
+                    LabelName::Id(id) => id.to_string(),
+                    LabelName::Name(name) => format!("{name:?}"),
+                };
+                let allowed = format!("a label of {}: {}", self.path, listed(&known, labels));
+                checker.add(format!("{path}.mask.labels[{i}]"), value, &allowed);
+            }
+            ids.extend(id);
+        }
+        Problems::none_of(checker.problems)?;
+        Ok(ids)
+    }
+
     fn plan(&self, path: &str, places: &ClipPlaces, checker: &mut Checker, clips: &mut PlanClips) {
         let objects = objects(path, &self.objects, places.names, checker);
+        if self.labels.as_ref().is_some_and(Vec::is_empty) {
+            checker.add(format!("{path}.labels"), "empty", "one label or more");
+        }
+        if let (Some(_), Some(threshold)) = (&self.labels, self.threshold) {
+            checker.add(
+                format!("{path}.threshold"),
+                threshold,
+                "either labels or a threshold",
+            );
+        }
         let threshold = self.threshold.unwrap_or(0.5);
         checker.number(
             &format!("{path}.threshold"),
@@ -282,6 +338,31 @@ impl MaskClip {
             keep_inside: self.keep != Some(Keep::Outside),
             objects,
         });
+    }
+}
+
+/// The labels with these ascending ids, with names where they have any, as far as they fit a message.
+fn listed(ids: &[u32], labels: &LabelVolume) -> String {
+    const MOST: usize = 16;
+    let name = |id: u32| {
+        let label = labels.labels().iter().find(|label| label.id == id);
+        label.map(|label| label.name.as_str())
+    };
+    // Numbers in a row that nobody has named are a range.
+    let in_a_row = |a: &u32, b: &u32| *b == a + 1 && name(*a).is_none() && name(*b).is_none();
+    let rows: Vec<&[u32]> = ids.chunk_by(in_a_row).collect();
+    let describe = |row: &&[u32]| {
+        let (first, last) = (row[0], row[row.len() - 1]);
+        match name(first) {
+            Some(name) => format!("{first} ({name:?})"),
+            None if first == last => first.to_string(),
+            None => format!("{first} to {last}"),
+        }
+    };
+    let listed: Vec<String> = rows.iter().take(MOST).map(describe).collect();
+    match rows.len().saturating_sub(MOST) {
+        0 => listed.join(", "),
+        more => format!("{} and {more} more", listed.join(", ")),
     }
 }
 

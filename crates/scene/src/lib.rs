@@ -41,7 +41,7 @@ mod transfer_function;
 mod window;
 
 pub use camera::{Camera, Projection, View};
-pub use clip::{BoxClip, BoxSpace, Clip, Keep, MaskClip, PlaneClip};
+pub use clip::{BoxClip, BoxSpace, Clip, Keep, LabelName, MaskClip, PlaneClip};
 pub use color::{Background, Color, linear_from_srgb};
 pub use color_map::ColorMap;
 pub use function::{FunctionUse, ParameterValue};

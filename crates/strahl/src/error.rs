@@ -65,6 +65,20 @@ impl Error {
         }
     }
 
+    /// Problems of a scene are those of the file `scene`, unless they name another one.
+    pub(crate) fn of_scene(self, scene: &Option<PathBuf>) -> Error {
+        match self {
+            Error::Problems {
+                file: None,
+                problems,
+            } => Error::Problems {
+                file: scene.clone(),
+                problems,
+            },
+            other => other,
+        }
+    }
+
     pub(crate) fn not_usable(path: &Path, why: impl Into<String>) -> Error {
         Error::NotUsable {
             path: path.to_owned(),

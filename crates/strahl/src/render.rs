@@ -253,8 +253,7 @@ impl<'a> Render<'a> {
     /// Whatever is wrong with the volume or the scene.
     pub fn picture(&self) -> Result<Picture, Error> {
         let start = Instant::now();
-        let (volume, notes) = self.load()?;
-        let data = SceneData::load(&self.scene, volume, notes)?;
+        let data = self.data()?;
         let read_seconds = start.elapsed().as_secs_f64();
         let (headers, scene) = (data.headers(), self.known_scene());
         let mut plan = self.checked(resolve_with(&scene, &headers))?;
@@ -317,9 +316,15 @@ impl<'a> Render<'a> {
         }
     }
 
-    fn settle(&self) -> Result<(Scene, plan::Plan), Error> {
+    /// Everything that the scene names.
+    fn data(&self) -> Result<SceneData<'_>, Error> {
         let (volume, notes) = self.load()?;
-        let headers = SceneData::load(&self.scene, volume, notes)?.headers();
+        SceneData::load(&self.scene, volume, notes)
+            .map_err(|error| error.of_scene(&self.scene_path))
+    }
+
+    fn settle(&self) -> Result<(Scene, plan::Plan), Error> {
+        let headers = self.data()?.headers();
         let scene = self.known_scene();
         let plan = self.checked(resolve_with(&scene, &headers))?;
         Ok((settled_with(&scene, &headers), plan))

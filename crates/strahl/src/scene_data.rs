@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use strahl_scene::{Clip, Headers, Scene, VolumeSource};
+use strahl_scene::{Clip, Headers, MaskClip, Scene, VolumeSource};
 use strahl_shader::Module;
 use strahl_volume::read::ReadOptions;
 use strahl_volume::read::mesh::read_mesh;
@@ -58,19 +58,18 @@ impl<'a> SceneData<'a> {
                 data.meshes.push(loaded.mesh);
             }
         }
-        for clip in scene.clips.iter().flatten() {
+        for (i, clip) in scene.clips.iter().flatten().enumerate() {
             if let Clip::Mask(mask) = clip {
-                let loaded = load(&mask.path, &ReadOptions::default())?;
-                data.masks.push(loaded.volume);
+                let mask = data.read_mask(mask, &format!("clips[{i}]"))?;
+                data.masks.push(mask);
             }
         }
         if let Some(labels) = &scene.labels {
-            let loaded = load(&labels.path, &ReadOptions::default())?;
-            let labels = LabelVolume::from_volume(loaded.volume, loaded.labels.unwrap_or_default())
-                .map_err(|error| error.in_file(&labels.path))?;
-            data.labels = Some(*labels.grid());
-            data.notes
-                .push("the labels lie on the volume's grid; drawing them is not there yet".into());
+            data.labels = Some(*data.read_labels(&labels.path)?.grid());
+            data.notes.push(
+                "the labels lie on the volume's grid; drawing them is not there yet (a clip `mask` with `labels` shows or hides some)"
+                    .into(),
+            );
         }
         for function in scene.functions.iter().flat_map(BTreeMap::values) {
             if function.is_file() && !data.modules.contains_key(&function.module) {
@@ -95,6 +94,28 @@ impl<'a> SceneData<'a> {
         let loaded = load_with_progress(&[path], &options, &|_| ())?;
         self.notes.extend(loaded.notes);
         Ok(loaded.volume)
+    }
+
+    /// The mask of a clip, which is at `place` in the scene.
+    fn read_mask(&mut self, clip: &MaskClip, place: &str) -> Result<Volume, Error> {
+        if clip.labels.is_none() {
+            return Ok(load(&clip.path, &ReadOptions::default())?.volume);
+        }
+        let labels = self.read_labels(&clip.path)?;
+        let ids = clip.label_ids(place, &labels);
+        let ids = ids.map_err(|problems| Error::Problems {
+            file: None,
+            problems,
+        })?;
+        Ok(labels.mask(&ids))
+    }
+
+    fn read_labels(&mut self, path: &str) -> Result<LabelVolume, Error> {
+        let loaded = load(path, &ReadOptions::default())?;
+        let notes = loaded.notes.iter().map(|note| format!("{path}: {note}"));
+        self.notes.extend(notes);
+        let labels = LabelVolume::from_volume(loaded.volume, loaded.labels.unwrap_or_default());
+        labels.map_err(|error| error.in_file(path).into())
     }
 
     /// What resolving a scene has to know.

@@ -1,6 +1,8 @@
 //! Label volumes: which object a voxel belongs to, with the objects' names and colours.
 
-use crate::{Error, Grid, Samples, Volume};
+use crate::{Error, Grid, Metadata, Rescale, Samples, Volume};
+use rayon::prelude::*;
+use std::collections::BTreeSet;
 
 /// One object of a label volume.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,7 +49,7 @@ impl LabelVolume {
                 "slope 1 and intercept 0",
             ));
         }
-        let mut seen = std::collections::BTreeSet::new();
+        let mut seen = BTreeSet::new();
         for label in &labels {
             if !seen.insert(label.id) {
                 return Err(Error::field("label id", label.id, "each id named once"));
@@ -89,6 +91,61 @@ impl LabelVolume {
             LabelIds::U32(s) => s[index],
         }
     }
+
+    /// The ids that voxels have or names belong to, ascending.
+    pub fn known_ids(&self) -> Vec<u32> {
+        let mut known = match &self.ids {
+            LabelIds::U8(s) => different(s),
+            LabelIds::U16(s) => different(s),
+            LabelIds::U32(s) => different(s),
+        };
+        known.extend(self.labels.iter().map(|label| label.id));
+        known.into_iter().collect()
+    }
+
+    /// A mask: 1 in the voxels with one of these `ids`, 0 elsewhere.
+    pub fn mask(&self, ids: &[u32]) -> Volume {
+        let ids: BTreeSet<u32> = ids.iter().copied().collect();
+        let samples = match &self.ids {
+            LabelIds::U8(s) => is_in(s, &ids),
+            LabelIds::U16(s) => is_in(s, &ids),
+            LabelIds::U32(s) => is_in(s, &ids),
+        };
+        let samples = Samples::U8(samples);
+        Volume::new(self.grid, samples, Rescale::IDENTITY, Metadata::default())
+            .expect("a sample for each voxel, as there is an id")
+    }
+}
+
+/// Labels lie in runs: whatever is asked of one is asked once.
+const RUN: usize = 1 << 12;
+
+fn different<T: Copy + Into<u32> + PartialEq + Sync>(ids: &[T]) -> BTreeSet<u32> {
+    ids.par_chunks(RUN)
+        .fold(BTreeSet::new, |mut known, run| {
+            let changes = (0..run.len()).filter(|&i| i == 0 || run[i] != run[i - 1]);
+            known.extend(changes.map(|i| run[i].into()));
+            known
+        })
+        .reduce(BTreeSet::new, |mut known, others| {
+            known.extend(others);
+            known
+        })
+}
+
+fn is_in<T: Copy + Into<u32> + PartialEq + Sync>(ids: &[T], asked: &BTreeSet<u32>) -> Vec<u8> {
+    let mut inside = vec![0; ids.len()];
+    let runs = inside.par_chunks_mut(RUN).zip(ids.par_chunks(RUN));
+    runs.for_each(|(inside, ids)| {
+        for i in 0..ids.len() {
+            inside[i] = if i > 0 && ids[i] == ids[i - 1] {
+                inside[i - 1]
+            } else {
+                u8::from(asked.contains(&ids[i].into()))
+            };
+        }
+    });
+    inside
 }
 
 fn narrowest(samples: &Samples) -> Result<LabelIds, Error> {
@@ -112,4 +169,37 @@ fn narrowest(samples: &Samples) -> Result<LabelIds, Error> {
     } else {
         LabelIds::U32(ids.map(|id| id as u32).collect())
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    #[test]
+    fn a_mask_has_the_voxels_of_its_labels() {
+        // Longer than a run, and labels that go on from one run into the next.
+        let dims = [40, 40, 9];
+        let count = dims.iter().product::<usize>();
+        let grid = Grid::centred(dims, DVec3::ONE).unwrap();
+        let ids: Vec<u32> = (0..count as u32).map(|i| (i / 700) % 4 * 1000).collect();
+        let named = Label {
+            id: 7,
+            name: "nowhere".into(),
+            color: None,
+        };
+        let volume = |samples| Volume::new(grid, samples, Rescale::IDENTITY, Metadata::default());
+        let wide = volume(Samples::U32(ids.clone())).unwrap();
+        let narrow = volume(Samples::U16(ids.iter().map(|&id| id as u16).collect())).unwrap();
+        for stored in [wide, narrow] {
+            let labels = LabelVolume::from_volume(stored, vec![named.clone()]).unwrap();
+            assert_eq!(labels.known_ids(), [0, 7, 1000, 2000, 3000]);
+            for asked in [&[1000, 3000][..], &[0], &[7], &[]] {
+                let mask = labels.mask(asked);
+                let inside = ids.iter().map(|id| u8::from(asked.contains(id))).collect();
+                assert_eq!(*mask.samples(), Samples::U8(inside), "{asked:?}");
+                assert_eq!(mask.grid(), labels.grid());
+            }
+        }
+    }
 }

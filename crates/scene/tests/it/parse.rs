@@ -1,5 +1,5 @@
 use crate::engine;
-use strahl_scene::{Scene, TransferPoint, presets, resolve, schema};
+use strahl_scene::{Clip, Headers, Scene, TransferPoint, presets, resolve_with, schema};
 
 fn message(text: &str) -> String {
     match Scene::parse("scene.json", text) {
@@ -131,6 +131,13 @@ fn the_manual_is_complete() {
     for example in examples {
         let text = example.split("```").next().unwrap();
         let scene = Scene::parse("docs/scene.md", text).unwrap_or_else(|error| panic!("{error}"));
-        resolve(&scene, &engine(), None).unwrap_or_else(|problems| panic!("{problems}\n{text}"));
+        let engine = engine();
+        let masks = scene.clips.iter().flatten();
+        let masks = masks.filter(|clip| matches!(clip, Clip::Mask(_)));
+        let headers = Headers {
+            masks: masks.map(|_| engine.grid).collect(),
+            ..Headers::from(engine.clone())
+        };
+        resolve_with(&scene, &headers).unwrap_or_else(|problems| panic!("{problems}\n{text}"));
     }
 }

@@ -1,7 +1,10 @@
 use crate::{ct_head, engine, header_at, header_of};
 use glam::DVec3;
-use strahl_scene::{Camera, Color, Scene, TransferFunction, TransferPoint, VolumeSource, resolve};
-use strahl_volume::{Rescale, Samples};
+use strahl_scene::{
+    Camera, Color, LabelName, MaskClip, Scene, TransferFunction, TransferPoint, VolumeSource,
+    resolve,
+};
+use strahl_volume::{Grid, Label, LabelVolume, Metadata, Rescale, Samples, Volume};
 
 fn report(scene: &Scene) -> String {
     match resolve(scene, &ct_head(), None) {
@@ -65,6 +68,7 @@ fn problems_that_hide_each_other() {
         r#"{ "camera": { "zoom": 0.1 } }"#,
         r#"{ "transfer_function": { "points": [] } }"#,
         r#"{ "transfer_function": { "points": [[0, 0]], "reference_mm": 1, "reference_voxels": 1 } }"#,
+        r#"{ "clips": [{ "mask": { "path": "m.nrrd", "labels": [1, "liver"], "threshold": 0.2 } }, { "mask": { "path": "m.nrrd", "labels": [] } }] }"#,
         r#"{ "volume": {} }"#,
         r#"{ "volume": { "phantom": "anatomy", "series": "1", "endian": "big" } }"#,
     ];
@@ -127,6 +131,32 @@ fn labels_of_another_grid_are_refused() {
     insta::assert_snapshot!(problems);
     let smaller = header_at([128, 128, 64], DVec3::new(-127.0, -127.0, -64.0)).grid;
     assert!(resolve(&scene, &engine(), Some(&smaller)).is_err());
+}
+
+#[test]
+fn labels_that_a_mask_does_not_have() {
+    let label = |id, name: &str| Label {
+        id,
+        name: name.to_owned(),
+        color: None,
+    };
+    let ids = Samples::U8([0, 1, 2, 3, 4, 9, 9, 200].to_vec());
+    let grid = Grid::centred([2, 2, 2], DVec3::ONE).unwrap();
+    let volume = Volume::new(grid, ids, Rescale::IDENTITY, Metadata::default()).unwrap();
+    let named = vec![label(3, "liver"), label(77, "spleen")];
+    let labels = LabelVolume::from_volume(volume, named).unwrap();
+    let clip = |labels: &[LabelName]| MaskClip {
+        path: "organs.nrrd".into(),
+        labels: Some(labels.to_vec()),
+        ..MaskClip::default()
+    };
+    let of_name = |name: &str| LabelName::Name(name.into());
+    let good = [LabelName::Id(9), of_name("spleen"), of_name("liver")];
+    let found = clip(&good).label_ids("clips[0]", &labels);
+    assert_eq!(found, Ok(vec![9, 77, 3]));
+    let bad = [LabelName::Id(5), LabelName::Id(9), of_name("Liver")];
+    let problems = clip(&bad).label_ids("clips[0]", &labels).unwrap_err();
+    insta::assert_snapshot!(problems);
 }
 
 #[test]

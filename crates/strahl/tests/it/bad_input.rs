@@ -129,6 +129,25 @@ fn labels_of_another_grid() {
         &["render", "scene.json", "-o", "out.png"],
         &["scene.json: labels is on a grid of 4×4×4 voxels", "16×12×8"],
     );
+    // A mask may lie on any grid, but has to have the labels.
+    let mask = |mask: &str, words: &[&str]| {
+        let scene =
+            format!(r#"{{"volume": {{"path": "shells.nrrd"}}, "clips": [{{"mask": {mask}}}]}}"#);
+        fs::write(folder.path().join("scene.json"), scene).unwrap();
+        let args = ["render", "scene.json", "-o", "out.png"];
+        fails(folder.path(), &args, words);
+    };
+    mask(
+        r#"{"path": "labels.nrrd", "labels": [1, "liver"]}"#,
+        &[
+            r#"scene.json: clips[0].mask.labels[1] is "liver"; allowed: a label of "#,
+            "labels.nrrd: 1",
+        ],
+    );
+    mask(
+        r#"{"path": "shells.nrrd", "labels": [1]}"#,
+        &["shells.nrrd: label id is 0.2"],
+    );
 }
 
 #[test]

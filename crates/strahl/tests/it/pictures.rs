@@ -71,6 +71,42 @@ fn flags_change_a_picture_that_is_made_again() {
     assert!(bytes(here, "b.png") == bytes(here, "c.png"));
 }
 
+/// Labels are a mask without a file of its own.
+#[test]
+fn labels_clip_as_the_mask_of_them_does() {
+    let folder = folder_with_shells();
+    let here = folder.path();
+    let shells = shells();
+    let [nx, ny, nz] = shells.grid().dims();
+    let ids: Vec<u8> = (0..nx * ny * nz).map(|i| (i % nx / 5) as u8).collect();
+    let of = |samples| {
+        Volume::new(
+            *shells.grid(),
+            strahl::volume::Samples::U8(samples),
+            strahl::volume::Rescale::IDENTITY,
+            strahl::volume::Metadata::default(),
+        )
+        .unwrap()
+    };
+    let inside = ids.iter().map(|id| u8::from([0, 2].contains(id))).collect();
+    save(&of(inside), here, "mask.nrrd");
+    save(&of(ids), here, "labels.nrrd");
+    let draw = |name: &str, mask: &str| {
+        let scene = format!(
+            r#"{{ "volume": {{ "path": "shells.nrrd" }}, "size": [40, 30], "clips": [{{ "mask": {mask} }}] }}"#
+        );
+        fs::write(here.join("scene.json"), scene).unwrap();
+        run_well(here, &["render", "scene.json", "-o", name]);
+        decoded(&here.join(name))
+    };
+    let labels = draw("a.png", r#"{ "path": "labels.nrrd", "labels": [0, 2] }"#);
+    assert!(labels == draw("b.png", r#"{ "path": "mask.nrrd" }"#));
+    assert!(labels != draw("c.png", r#"{ "path": "labels.nrrd", "labels": [1] }"#));
+    // The picture knows them.
+    run_well(here, &["render", "a.png", "-o", "again.png"]);
+    assert!(bytes(here, "a.png") == bytes(here, "again.png"));
+}
+
 /// A picture of several files does not know them; the message says what to do.
 #[test]
 fn a_picture_of_several_files_asks_for_them() {
