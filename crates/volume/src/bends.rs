@@ -1,5 +1,6 @@
 //! How far from straight the voxels of each brick lie: what bounds the way from trilinear to cubic reconstruction.
 
+use crate::bricks::{dims, touched};
 use crate::{Sample, Volume, with_samples};
 use std::ops::Range;
 
@@ -29,16 +30,16 @@ use std::ops::Range;
 pub fn bends(volume: &Volume, edge: usize) -> Vec<[f32; 2]> {
     assert!(edge > 0, "bricks of no cells");
     let voxels = volume.grid().dims();
-    let dims = voxels.map(|n| (n - 1).div_ceil(edge).max(1));
+    let dims = dims(voxels, edge);
     let mut of_bricks = vec![[0.0; 2]; dims.iter().product()];
     let of_row = |row: usize, of_bricks: &mut [[f32; 2]]| {
         let at = [row % dims[1], row / dims[1]];
         with_samples!(volume.samples(), samples => {
             let block = Block::new(samples, voxels, [1, 2].map(|axis| {
-                reached(at[axis - 1], edge, 2, voxels[axis])
+                touched(at[axis - 1], edge, 2, voxels[axis])
             }));
-            let own = [1, 2].map(|axis| reached(at[axis - 1], edge, 0, voxels[axis]));
-            let wide = [1, 2].map(|axis| reached(at[axis - 1], edge, 1, voxels[axis]));
+            let own = [1, 2].map(|axis| touched(at[axis - 1], edge, 0, voxels[axis]));
+            let wide = [1, 2].map(|axis| touched(at[axis - 1], edge, 1, voxels[axis]));
             block.bends(edge, &own, &wide, of_bricks);
         });
     };
@@ -55,12 +56,6 @@ pub fn bends(volume: &Volume, edge: usize) -> Vec<[f32; 2]> {
         of_row(row, of_bricks);
     }
     of_bricks
-}
-
-/// The voxels of brick `brick` on an axis of `n` voxels, and `further` ones on either side.
-fn reached(brick: usize, edge: usize, further: usize, n: usize) -> Range<usize> {
-    let first = brick * edge;
-    first.saturating_sub(further)..(first + edge + 1 + further).min(n)
 }
 
 /// The rows of voxels around a row of bricks.
@@ -125,7 +120,7 @@ impl Block {
         for (brick, of_brick) in of_bricks.iter_mut().enumerate() {
             for (axis, bounds) in bounds.iter().enumerate() {
                 let further = usize::from(axis > 0);
-                let [least, most] = bounds.of(reached(brick, edge, further, self.nx));
+                let [least, most] = bounds.of(touched(brick, edge, further, self.nx));
                 of_brick[0] += least;
                 of_brick[1] += most;
             }
@@ -213,7 +208,7 @@ mod tests {
         let mut bounds = [0.0; 2];
         for axis in 0..3 {
             let (mut least, mut most) = (0f32, 0f32);
-            let range = |a: usize| reached(brick[a], edge, usize::from(a != axis), n[a]);
+            let range = |a: usize| touched(brick[a], edge, usize::from(a != axis), n[a]);
             for z in range(2) {
                 for y in range(1) {
                     for x in range(0) {

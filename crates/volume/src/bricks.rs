@@ -1,6 +1,7 @@
 //! Min/max bricks: what range of numbers a block of a volume can give, the basis of skipping.
 
 use crate::{Grid, Sample, Samples, Volume, with_samples};
+use std::ops::Range;
 
 /// The smallest and the largest number that reconstruction can find in each brick of a volume.
 ///
@@ -127,7 +128,7 @@ impl Bricks {
     fn of(grid: &Grid, samples: &Samples, edge: usize, reach: usize) -> Bricks {
         assert!(edge.is_power_of_two(), "bricks of {edge} cells");
         let voxels = grid.dims();
-        let dims = voxels.map(|n| (n - 1).div_ceil(edge).max(1));
+        let dims = dims(voxels, edge);
         let bricks = Blocks {
             edge,
             reach,
@@ -276,10 +277,20 @@ impl Blocks {
     }
 
     /// The voxels that brick `brick` covers on an axis of `n` voxels.
-    fn touched(&self, brick: usize, n: usize) -> std::ops::Range<usize> {
-        let first = brick * self.edge;
-        first.saturating_sub(self.reach)..(first + self.edge + 1 + self.reach).min(n)
+    fn touched(&self, brick: usize, n: usize) -> Range<usize> {
+        touched(brick, self.edge, self.reach, n)
     }
+}
+
+/// Number of bricks of `edge`³ cells along x, y, z in a volume of as many `voxels`.
+pub(crate) fn dims(voxels: [usize; 3], edge: usize) -> [usize; 3] {
+    voxels.map(|n| (n - 1).div_ceil(edge).max(1))
+}
+
+/// The voxels at the corners of the cells of brick `brick` on an axis of `n` voxels, and `reach` ones on either side.
+pub(crate) fn touched(brick: usize, edge: usize, reach: usize, n: usize) -> Range<usize> {
+    let first = brick * edge;
+    first.saturating_sub(reach)..(first + edge + 1 + reach).min(n)
 }
 
 #[cfg(test)]
