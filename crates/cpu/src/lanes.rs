@@ -140,6 +140,12 @@ impl<S: Level> F32s<S> {
         ])
     }
 
+    /// Of the numbers of a packet that of each of the rays `rays`.
+    #[inline(always)]
+    pub fn picked(packet: &[f32; LANES], rays: I32s<S>) -> F32s<S> {
+        F32s(both!(rays.0, |rays| S::proof().picked(packet, rays)))
+    }
+
     /// From doubles, eight lanes each, rounded to the nearest single.
     #[inline(always)]
     pub fn from_doubles(eights: [f64x8<S>; 4]) -> F32s<S> {
@@ -153,6 +159,15 @@ impl<S: Level> F32s<S> {
         let (a, b) = S::proof().widen_f32x16(self.0[0]);
         let (c, d) = S::proof().widen_f32x16(self.0[1]);
         [a, b, c, d]
+    }
+
+    /// The number of each lane.
+    #[inline(always)]
+    pub fn to_array(self) -> [f32; LANES] {
+        let mut numbers = [0.0; LANES];
+        self.0[0].store_slice(&mut numbers[..HALF]);
+        self.0[1].store_slice(&mut numbers[HALF..]);
+        numbers
     }
 
     /// The number of one lane.
@@ -238,24 +253,6 @@ impl<S: Level> F32s<S> {
     pub fn over(self, divisor: F32s<S>) -> F32s<S> {
         F32s(pairs!(self.0, divisor.0, |a, b| a / b))
     }
-}
-
-/// The numbers of `rows` at `indices`, one of each row in a vector.
-///
-/// # Safety
-/// There is a row for every index.
-#[inline(always)]
-pub unsafe fn rows<S: Level>(rows: &[[f32; 4]], indices: I32s<S>) -> [F32s<S>; 4] {
-    // SAFETY: as the caller promises.
-    let [a, b] = both!(indices.0, |indices| unsafe {
-        S::proof().rows(rows, indices)
-    });
-    [
-        F32s([a[0], b[0]]),
-        F32s([a[1], b[1]]),
-        F32s([a[2], b[2]]),
-        F32s([a[3], b[3]]),
-    ]
 }
 
 /// The numbers of `rows` at `indices`, and of those that follow them.

@@ -104,34 +104,30 @@ pub trait Level: Simd + Send + Sync {
         self.select_f32x16(self.simd_lt_f32x16(b, a), a, b)
     }
 
-    /// The rows at `indices`, one number of each in a vector.
-    ///
-    /// # Safety
-    /// There is a row for every index.
-    #[inline(always)]
-    unsafe fn rows(self, rows: &[[f32; 4]], indices: i32x16<Self>) -> [f32x16<Self>; 4] {
-        // SAFETY: as the caller promises.
-        let [a, b, c, d] = unsafe { rows_one_by_one(rows, &indices.into()) };
-        [
-            a.simd_into(self),
-            b.simd_into(self),
-            c.simd_into(self),
-            d.simd_into(self),
-        ]
-    }
-
-    /// The rows at `indices`, and those that follow them.
+    /// The rows at `indices`, and those that follow them: one number of each in a vector.
     ///
     /// # Safety
     /// There is a row for every index, and one behind it.
     #[inline(always)]
     unsafe fn row_pairs(self, rows: &[[f32; 4]], indices: i32x16<Self>) -> [[f32x16<Self>; 4]; 2] {
+        let numbers_at = inlined(
+            #[inline(always)]
+            |indices: i32x16<Self>| {
+                // SAFETY: as the caller promises.
+                let [a, b, c, d] = unsafe { rows_one_by_one(rows, &indices.into()) };
+                [
+                    a.simd_into(self),
+                    b.simd_into(self),
+                    c.simd_into(self),
+                    d.simd_into(self),
+                ]
+            },
+        );
         let following = indices + i32x16::splat(self, 1);
-        // SAFETY: as the caller promises.
-        unsafe { [self.rows(rows, indices), self.rows(rows, following)] }
+        [numbers_at(indices), numbers_at(following)]
     }
 
-    /// The other way round: a row of four numbers per lane.
+    /// A row of four numbers per lane.
     #[inline(always)]
     fn to_rows(self, columns: [f32x16<Self>; 4]) -> [[f32; 4]; 16] {
         let mut rows = [[0.0; 4]; 16];
@@ -144,6 +140,15 @@ pub trait Level: Simd + Send + Sync {
             ];
         }
         rows
+    }
+
+    /// The numbers of `packet` at `indices`, of which the lowest five bits count.
+    #[inline(always)]
+    fn picked(self, packet: &[f32; 32], indices: i32x16<Self>) -> f32x16<Self> {
+        let indices: [i32; 16] = indices.into();
+        indices
+            .map(|index| packet[index as usize & 31])
+            .simd_into(self)
     }
 
     /// The little-endian words of four bytes at `offsets` (in bytes), which may lie at any address.
@@ -200,7 +205,7 @@ unsafe fn rows_one_by_one(rows: &[[f32; 4]], indices: &[i32; 16]) -> [[f32; 16];
 mod x86 {
     use super::{Level, f32x16, i32x16, in_memory, inlined, u32x16, words_one_by_one};
     use fearless_simd::x86::{Avx2, Avx512, Sse2};
-    use fearless_simd::{Simd, SimdInto, f32x8, i32x8, u32x8};
+    use fearless_simd::{Bytes, Simd, SimdInto, f32x8, i32x8, u32x8};
     #[cfg(target_arch = "x86")]
     use std::arch::x86::*;
     #[cfg(target_arch = "x86_64")]
@@ -292,6 +297,17 @@ mod x86 {
         }
 
         #[inline(always)]
+        fn picked(self, packet: &[f32; 32], indices: i32x16<Self>) -> f32x16<Self> {
+            let from = packet.as_ptr();
+            // SAFETY: the processor has the instructions, as `self` proves, and a packet is two vectors.
+            let numbers = unsafe {
+                let [a, b] = [_mm512_loadu_ps(from), _mm512_loadu_ps(from.add(16))];
+                _mm512_permutex2var_ps(a, indices.into(), b)
+            };
+            numbers.simd_into(self)
+        }
+
+        #[inline(always)]
         fn to_rows(self, columns: [f32x16<Self>; 4]) -> [[f32; 4]; 16] {
             let [a, b, c, d] = columns;
             let mut rows = [[0.0; 4]; 16];
@@ -366,35 +382,6 @@ mod x86 {
                 ]
             }
         }
-
-        #[inline(always)]
-        unsafe fn rows(self, rows: &[[f32; 4]], indices: i32x16<Self>) -> [f32x16<Self>; 4] {
-            debug_assert!(indices.iter().all(|&i| (i as usize) < rows.len()));
-            let indices = in_memory(indices);
-            // SAFETY: the processor has the instructions, as `self` proves; every row exists, as the
-            // caller promises.
-            unsafe {
-                let row =
-                    |lane: usize| _mm_loadu_ps(rows.as_ptr().add(indices[lane] as usize).cast());
-                // Block b of vector j: lane 4b + j.
-                let blocks = inlined(
-                    #[inline(always)]
-                    |j: usize| {
-                        let blocks = _mm512_castps128_ps512(row(j));
-                        let blocks = _mm512_insertf32x4::<1>(blocks, row(4 + j));
-                        let blocks = _mm512_insertf32x4::<2>(blocks, row(8 + j));
-                        _mm512_insertf32x4::<3>(blocks, row(12 + j))
-                    },
-                );
-                let [a, b, c, d] = transposed_512!([blocks(0), blocks(1), blocks(2), blocks(3)]);
-                [
-                    a.simd_into(self),
-                    b.simd_into(self),
-                    c.simd_into(self),
-                    d.simd_into(self),
-                ]
-            }
-        }
     }
 
     impl Level for Avx2 {
@@ -423,6 +410,13 @@ mod x86 {
                 },
             );
             self.combine_u32x8(half(low), half(high))
+        }
+
+        #[inline(always)]
+        fn picked(self, packet: &[f32; 32], indices: i32x16<Self>) -> f32x16<Self> {
+            // SAFETY: the offset of the last of 32 numbers is 4 · 31.
+            let words = unsafe { self.words(bytemuck::bytes_of(packet), (indices & 31) << 2) };
+            words.bitcast()
         }
 
         #[inline(always)]
@@ -471,39 +465,6 @@ mod x86 {
                 [
                     [first(0), first(1), first(2), first(3)],
                     [second(0), second(1), second(2), second(3)],
-                ]
-            }
-        }
-
-        #[inline(always)]
-        unsafe fn rows(self, rows: &[[f32; 4]], indices: i32x16<Self>) -> [f32x16<Self>; 4] {
-            debug_assert!(indices.iter().all(|&i| (i as usize) < rows.len()));
-            let indices = in_memory(indices);
-            // SAFETY: as above.
-            unsafe {
-                let row =
-                    |lane: usize| _mm_loadu_ps(rows.as_ptr().add(indices[lane] as usize).cast());
-                // Of eight lanes from `from` on. Block b of vector j: lane 4b + j.
-                let eight = inlined(
-                    #[inline(always)]
-                    |from: usize| -> [f32x8<Avx2>; 4] {
-                        let blocks = |j: usize| _mm256_set_m128(row(from + 4 + j), row(from + j));
-                        let [a, b, c, d] =
-                            transposed_256!([blocks(0), blocks(1), blocks(2), blocks(3)]);
-                        [
-                            a.simd_into(self),
-                            b.simd_into(self),
-                            c.simd_into(self),
-                            d.simd_into(self),
-                        ]
-                    },
-                );
-                let (low, high) = (eight(0), eight(8));
-                [
-                    self.combine_f32x8(low[0], high[0]),
-                    self.combine_f32x8(low[1], high[1]),
-                    self.combine_f32x8(low[2], high[2]),
-                    self.combine_f32x8(low[3], high[3]),
                 ]
             }
         }
@@ -619,4 +580,41 @@ pub fn vectorized<S: Level, R>(f: impl FnOnce() -> R) -> R {
 #[inline(always)]
 pub fn inlined<F>(closure: F) -> F {
     closure
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    struct Picking([i32; 16]);
+
+    impl Task for Picking {
+        type Output = [f32; 16];
+
+        fn run<S: Level>(self) -> [f32; 16] {
+            let packet = std::array::from_fn(|i| 1.5 * i as f32 - 7.0);
+            vectorized::<S, _>(
+                #[inline(always)]
+                || {
+                    let indices = self.0.simd_into(S::proof());
+                    S::proof().picked(&packet, indices).into()
+                },
+            )
+        }
+    }
+
+    #[test]
+    fn numbers_of_a_packet_are_picked_by_five_bits() {
+        for set in InstructionSet::ALL {
+            if !set.is_there() {
+                println!("skipped: this processor has no {set}");
+                continue;
+            }
+            for shift in [0, 3, 31, 32, 1 << 20, -5] {
+                let indices: [i32; 16] = std::array::from_fn(|i| 7 * i as i32 + shift);
+                let expected = indices.map(|index| 1.5 * index.rem_euclid(32) as f32 - 7.0);
+                assert_eq!(dispatch(set, Picking(indices)), expected, "{set}, {shift}");
+            }
+        }
+    }
 }

@@ -7,7 +7,7 @@
 //! opacity, which decides what later samples count for, needs no light).
 
 use super::Packet;
-use crate::lanes::{F32s, I32s, LANES, Mask, Vec3s, each, lanes, rows, to_rows};
+use crate::lanes::{F32s, I32s, LANES, Mask, Vec3s, each, lanes, to_rows};
 use crate::levels::{Level, inlined, vectorized};
 use crate::library::classify::Surface;
 use crate::library::composite::emission_absorption;
@@ -226,15 +226,14 @@ impl<S: Level> Packet<'_, S> {
                 // What lies behind the last one is old, or 0: a place in the volume and a ray all the same.
                 let position = [x, y, z];
                 let ray: I32s<S> = ray.to_i32s();
-                // SAFETY: rays are numbers of lanes.
-                let [ex, ey, ez, _] = unsafe { rows(&waiting.to_eye, ray) };
+                let to_eye = each!([0, 1, 2], |axis| F32s::picked(&waiting.to_eye[axis], ray));
                 let surface = object.table.at(value);
                 let mut unkept = [F32s::zero(); 3];
                 let surface = object.shade(
                     &self.scenery.shading,
                     surface,
                     position,
-                    [ex, ey, ez],
+                    to_eye,
                     asked,
                     &mut unkept,
                 );
@@ -242,7 +241,7 @@ impl<S: Level> Packet<'_, S> {
                 let seen = to_rows([r, g, b, F32s::zero()]);
                 let rays = ray.to_array();
                 for (seen, ray) in seen.iter().zip(rays).take(number) {
-                    let sum = &mut waiting.sums[ray as usize];
+                    let sum = &mut waiting.sums[ray as usize % LANES];
                     for (sum, seen) in sum.iter_mut().zip(seen) {
                         *sum += seen;
                     }
@@ -258,7 +257,7 @@ struct Waiting {
     number: usize,
     /// Position (voxel space), value, share of the pixel, ray.
     samples: [[f32; Waiting::MOST]; 6],
-    to_eye: [[f32; 4]; LANES],
+    to_eye: [[f32; LANES]; 3],
     /// The colour of each ray so far.
     sums: [[f32; 4]; LANES],
 }
@@ -269,11 +268,10 @@ impl Waiting {
 
     #[inline(always)]
     fn new<S: Level>(to_eye: Vec3s<S>) -> Waiting {
-        let [x, y, z] = to_eye;
         Waiting {
             number: 0,
             samples: [[0.0; Waiting::MOST]; 6],
-            to_eye: to_rows([x, y, z, F32s::zero()]),
+            to_eye: each!(to_eye, |part| part.to_array()),
             sums: [[0.0; 4]; LANES],
         }
     }
