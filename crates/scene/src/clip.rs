@@ -1,4 +1,4 @@
-//! Clip planes and boxes, as people write them.
+//! Planes, boxes, masks and the like that cut parts away, as people write them.
 
 use crate::plan::{ALL_OBJECTS, ClipPlane, ClipShape, MOST_MASKS, ObjectSet, SampleClip};
 use crate::problem::{Checker, Problems, Within};

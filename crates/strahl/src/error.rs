@@ -57,6 +57,16 @@ pub enum Error {
     Picture(String),
 }
 
+impl From<strahl_scene::Problems> for Error {
+    /// Those of a scene whose file is not known here.
+    fn from(problems: strahl_scene::Problems) -> Error {
+        Error::Problems {
+            file: None,
+            problems,
+        }
+    }
+}
+
 impl Error {
     pub(crate) fn path(path: &Path, error: io::Error) -> Error {
         Error::Path {

@@ -412,10 +412,7 @@ impl<'a> Render<'a> {
     }
 
     fn checked<T>(&self, result: Result<T, strahl_scene::Problems>) -> Result<T, Error> {
-        result.map_err(|problems| Error::Problems {
-            file: self.scene_path.clone(),
-            problems,
-        })
+        result.map_err(|problems| Error::from(problems).of_scene(&self.scene_path))
     }
 }
 

@@ -82,10 +82,7 @@ impl<'a> SceneData<'a> {
     }
 
     fn read_volume(&mut self, source: &VolumeSource) -> Result<Volume, Error> {
-        let options = source.read_options().map_err(|problems| Error::Problems {
-            file: None,
-            problems,
-        })?;
+        let options = source.read_options()?;
         // One of the two is there and known, as has just been checked.
         if let Some(phantom) = source.phantom.as_deref().and_then(Phantom::from_name) {
             return Ok(phantom.volume(source.dims.unwrap_or(phantom.default_dims()))?);
@@ -102,11 +99,7 @@ impl<'a> SceneData<'a> {
             return Ok(load(&clip.path, &ReadOptions::default())?.volume);
         }
         let labels = self.read_labels(&clip.path)?;
-        let ids = clip.label_ids(place, &labels);
-        let ids = ids.map_err(|problems| Error::Problems {
-            file: None,
-            problems,
-        })?;
+        let ids = clip.label_ids(place, &labels)?;
         Ok(labels.mask(&ids))
     }
 

@@ -1,6 +1,6 @@
 //! `cargo xtask bench-peers`: frame times and errors beside VTK's ray caster for processors.
 
-use super::cases::{self, MODES, title};
+use super::cases::{Asked, title};
 use super::pictures::{Difference, Picture};
 use super::{Table, built_example, median, milliseconds, number, numbers, only_line, publish};
 use crate::apt;
@@ -20,12 +20,8 @@ const CONVERGED: f64 = 16.0;
 /// What is to be compared.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Only this case of bench/cases.json.
-    #[arg(long)]
-    case: Option<String>,
-    /// Only this mode.
-    #[arg(long, value_parser = MODES)]
-    mode: Option<String>,
+    #[command(flatten)]
+    asked: Asked,
     /// Pictures of one orbit.
     #[arg(long, default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..))]
     frames: u32,
@@ -48,7 +44,7 @@ pub struct Arguments {
 /// # Errors
 /// A renderer cannot be built, installed or run.
 pub fn run(root: &Path, arguments: &Arguments) -> Result<bool> {
-    let names = cases::there(root, arguments.case.as_deref())?;
+    let names = arguments.asked.cases(root)?;
     if names.is_empty() {
         return Ok(true);
     }
@@ -61,7 +57,7 @@ pub fn run(root: &Path, arguments: &Arguments) -> Result<bool> {
     };
     std::fs::create_dir_all(&peers.scratch)?;
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
-    let modes = cases::modes(arguments.mode.as_deref());
+    let modes = arguments.asked.modes();
     let mut body = peers.times(arguments, &names, &modes)?;
     println!("{body}");
     if !arguments.no_errors {

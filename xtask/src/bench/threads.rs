@@ -1,6 +1,6 @@
 //! `cargo xtask bench-threads`: what more threads gain, beside what the machine has to give.
 
-use super::cases::{self, MODES, title};
+use super::cases::{Asked, title};
 use super::{Table, built_example, milliseconds, numbers, only_line, publish};
 use anyhow::{Context, Result, anyhow};
 use serde_json::Value;
@@ -11,12 +11,8 @@ use std::thread;
 /// What is to be measured.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Only this case of bench/cases.json.
-    #[arg(long)]
-    case: Option<String>,
-    /// Only this mode.
-    #[arg(long, value_parser = MODES)]
-    mode: Option<String>,
+    #[command(flatten)]
+    asked: Asked,
     /// Pictures of one orbit.
     #[arg(long, default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..))]
     frames: u32,
@@ -62,7 +58,7 @@ pub fn run(root: &Path, arguments: &Arguments) -> Result<bool> {
         rounds,
         ..
     } = *arguments;
-    let names = cases::there(root, arguments.case.as_deref())?;
+    let names = arguments.asked.cases(root)?;
     if names.is_empty() {
         return Ok(true);
     }
@@ -79,7 +75,7 @@ pub fn run(root: &Path, arguments: &Arguments) -> Result<bool> {
     ]);
     let mut gains = Vec::new();
     for case in &names {
-        for mode in cases::modes(arguments.mode.as_deref()) {
+        for mode in arguments.asked.modes() {
             let draw = Draw {
                 program: &program,
                 case,
