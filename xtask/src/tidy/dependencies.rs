@@ -48,10 +48,7 @@ const MAY_KNOW: &[(&str, &[&str])] = &[
             "strahl-program",
         ],
     ),
-    (
-        "strahl-sim",
-        &["strahl-volume", "strahl-shader", "strahl-scene"],
-    ),
+    ("strahl-sim", &["strahl-volume"]),
     (
         "strahl",
         &[
