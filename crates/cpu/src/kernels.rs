@@ -2,11 +2,11 @@
 
 pub mod layout;
 
+use crate::error::Error;
 use crate::lanes::{F32s, LANES, Vec3s, dot};
-use crate::levels::{Level, Task, dispatch, vectorized};
+use crate::levels::{InstructionSet, Level, Task, dispatch, vectorized};
 use crate::library::reconstruct::values;
 use crate::scenery::Object;
-use crate::{Error, InstructionSet};
 use strahl_scene::plan::Plan;
 use strahl_volume::Volume;
 

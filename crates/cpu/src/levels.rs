@@ -1,6 +1,6 @@
 //! Instruction sets: which one a picture is drawn with, and what a vector library has no name for.
 
-use crate::Error;
+use crate::error::Error;
 use fearless_simd::{Simd, SimdBase, SimdInto, f32x16, i32x16, u32x16};
 use std::fmt;
 

@@ -41,6 +41,20 @@ pub struct Counts {
     pub ended_early: u64,
 }
 
+impl Counts {
+    /// Those of both.
+    pub fn plus(self, other: Counts) -> Counts {
+        Counts {
+            points: self.points + other.points,
+            samples: self.samples + other.samples,
+            visible: self.visible + other.visible,
+            skipped: self.skipped + other.skipped,
+            rays_in_volume: self.rays_in_volume + other.rays_in_volume,
+            ended_early: self.ended_early + other.ended_early,
+        }
+    }
+}
+
 /// What a packet of rays sees.
 pub struct Seen {
     /// Premultiplied, with what is behind.

@@ -4,10 +4,15 @@
 //! the rest. Every pixel is drawn once with the full step, by the
 //! same ray as in a picture drawn at once. Pixels that are not drawn yet lie on lines between those that are.
 
+use crate::error::Error;
 use crate::levels::{Level, Task};
 use crate::march::Counts;
+use crate::options::Options;
+use crate::progress::Progress;
+use crate::rendered::{Rendered, Stats};
+use crate::renderer::Renderer;
+use crate::scenery::Scenery;
 use crate::tiles::{self, Raster};
-use crate::{Error, Options, Progress, Rendered, Renderer, Stats, run};
 use rayon::prelude::*;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -98,16 +103,13 @@ impl Renderer<'_> {
         show: &mut (dyn FnMut(&Image, Stage) -> ControlFlow<()> + Send),
     ) -> Result<Rendered, Error> {
         self.check(plan, options)?;
-        run(
+        options.run(Refining {
+            renderer: self,
+            plan,
             options,
-            Refining {
-                renderer: self,
-                plan,
-                options,
-                show,
-                progress,
-            },
-        )
+            show,
+            progress,
+        })
     }
 }
 
@@ -174,7 +176,7 @@ impl Refining<'_, '_> {
     fn stage<S: Level>(
         &mut self,
         index: usize,
-        scenery: &crate::scenery::Scenery<S>,
+        scenery: &Scenery<S>,
         canvas: &mut Canvas,
         progress: Progress,
     ) -> Result<Image, Error> {

@@ -1,11 +1,12 @@
 //! Tiles of the picture over all cores.
 
+use crate::error::Error;
 use crate::lanes::{LANES, PACKET};
 use crate::levels::{Level, vectorized};
 use crate::march::{Counts, OfRuns};
+use crate::progress::Progress;
 use crate::ray::RayPacket;
 use crate::scenery::Scenery;
-use crate::{Error, Progress};
 use rayon::prelude::*;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};

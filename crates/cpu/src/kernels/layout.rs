@@ -1,8 +1,7 @@
 //! Ways to lay voxels of a byte in memory: what the renderer's own, rows along x, is to be judged by.
 
-use crate::InstructionSet;
 use crate::lanes::{F32s, I32s, LANES, PACKET, Vec3s, each, lanes, words};
-use crate::levels::{Level, Task, dispatch, inlined, vectorized};
+use crate::levels::{InstructionSet, Level, Task, dispatch, inlined, vectorized};
 use crate::library::fetch::{Corners, Fetch, Linear, Shape};
 use crate::library::reconstruct::of_fetch;
 use glam::DVec3;

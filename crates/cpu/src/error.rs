@@ -1,0 +1,76 @@
+//! The one error of this crate.
+
+/// Why there is no picture.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The caller's progress function asked for it.
+    #[error("cancelled")]
+    Cancelled,
+    /// The Plan was resolved for another volume.
+    #[error(
+        "the plan is for a grid of {plan:?} voxels, the volume has {volume:?} (or lies elsewhere); resolve the scene with this volume's header"
+    )]
+    OtherGrid {
+        /// Dimensions in the Plan.
+        plan: [usize; 3],
+        /// Dimensions of the volume.
+        volume: [usize; 3],
+    },
+    /// The Plan counts more data than was handed over.
+    #[error(
+        "the plan needs {what} number {index}, of which {there} were handed to the renderer; hand over the data that the plan was resolved for"
+    )]
+    NoData {
+        /// `volume`, `mask` or `mesh`.
+        what: &'static str,
+        /// Which one, from 0.
+        index: usize,
+        /// How many there are.
+        there: usize,
+    },
+    /// A shader function without a twin for the processor.
+    #[error(
+        "the function {function} for the slot {slot} has no form for this renderer; draw its program with strahl-evaluate or on a graphics processor, or leave it out"
+    )]
+    NoTwin {
+        /// Name of the function.
+        function: String,
+        /// Its slot.
+        slot: &'static str,
+    },
+    /// The coefficients of an interpolating B-spline cannot be made.
+    #[error(transparent)]
+    Coefficients(#[from] strahl_volume::Error),
+    /// The step is too short for the length of the rays.
+    #[error(
+        "a step of {step_mm} mm gives up to {points:.0} samples on a ray; at most 16777216 are possible, take a step of at least {least_mm} mm"
+    )]
+    StepTooShort {
+        /// Of the Plan.
+        step_mm: f64,
+        /// On the longest diagonal.
+        points: f64,
+        /// The shortest possible step.
+        least_mm: f64,
+    },
+    /// The option `instructions`, or the environment variable `STRAHL_SIMD`, names no set that there is.
+    #[error(
+        "there are no instructions {value:?} on this processor; set STRAHL_SIMD (or the option) to avx512, avx2 or portable, or leave it out for the fastest that it has"
+    )]
+    NoSuchInstructions {
+        /// What it names.
+        value: String,
+    },
+    /// The option `tile` is 0.
+    #[error("tile is 0; allowed: 1 and above")]
+    NoTile,
+    /// The operating system gave no threads.
+    #[error("cannot start {threads} threads: {why}")]
+    Threads {
+        /// Number asked for.
+        threads: usize,
+        /// What was said.
+        why: String,
+    },
+}

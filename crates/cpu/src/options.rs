@@ -1,0 +1,59 @@
+//! What a picture is drawn with, and does not change it.
+
+use crate::error::Error;
+use crate::levels::{InstructionSet, Task, dispatch};
+
+/// What does not change a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Options {
+    /// Number of threads; 0 means the surrounding rayon pool, by default all cores.
+    pub threads: usize,
+    /// Edge of a tile in pixels, > 0.
+    pub tile: u32,
+    /// Whether bricks that cannot show anything are left out.
+    pub skip: bool,
+    /// The instructions to draw with; `None` takes what `STRAHL_SIMD` says, or the fastest that the
+    /// processor has.
+    pub instructions: Option<InstructionSet>,
+}
+
+impl Default for Options {
+    fn default() -> Options {
+        Options {
+            threads: 0,
+            tile: 32,
+            skip: true,
+            instructions: None,
+        }
+    }
+}
+
+impl Options {
+    /// Runs `task` with these instructions and this number of threads.
+    pub(crate) fn run<T, R>(&self, task: T) -> Result<R, Error>
+    where
+        T: Task<Output = Result<R, Error>> + Send,
+        R: Send,
+    {
+        let set = match self.instructions {
+            Some(set) => set,
+            None => InstructionSet::from_environment()?,
+        };
+        if !set.is_there() {
+            return Err(Error::NoSuchInstructions {
+                value: set.to_string(),
+            });
+        }
+        if self.threads == 0 {
+            return dispatch(set, task);
+        }
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(self.threads)
+            .build()
+            .map_err(|why| Error::Threads {
+                threads: self.threads,
+                why: why.to_string(),
+            })?
+            .install(|| dispatch(set, task))
+    }
+}
