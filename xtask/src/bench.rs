@@ -11,29 +11,16 @@ mod plot;
 pub mod scenes;
 pub mod threads;
 
-use crate::command::{cargo, output, succeeds};
-use crate::python::target_folder;
+use crate::command::output;
 use anyhow::{Context, Result, ensure};
 use serde_json::Value;
 use std::fmt::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-/// Builds the example `name` of strahl-cpu in the checkout `root`; the program.
-fn built_example(root: &Path, name: &str) -> Result<PathBuf> {
-    let example = ["build", "--release", "--package", "strahl-cpu", "--example"];
-    ensure!(
-        succeeds(cargo(root).args(example).arg(name))?,
-        "the example {name} does not build in {}",
-        root.display()
-    );
-    let file = format!("{name}{}", std::env::consts::EXE_SUFFIX);
-    Ok(target_folder(root)?.join("release/examples").join(file))
-}
-
 /// The lines of JSON that a program prints.
-fn lines(command: &mut Command) -> Result<Vec<Value>> {
+pub fn lines(command: &mut Command) -> Result<Vec<Value>> {
     let text = output(command)?;
     let lines = text.lines().map(|line| {
         serde_json::from_str(line).with_context(|| format!("this is no line of JSON: {line}"))

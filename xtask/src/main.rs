@@ -1,4 +1,4 @@
-//! The project's own commands: `cargo xtask test | tidy | ci | gallery | oracle | fuzz | bench-…`.
+//! The project's own commands: `cargo xtask test | tidy | ci | gallery | oracle | fuzz | same-bytes | bench-…`.
 
 mod apt;
 mod bench;
@@ -6,8 +6,10 @@ mod ci;
 mod command;
 mod driver;
 mod fuzz;
+mod older_commit;
 mod oracle;
 mod python;
+mod same_bytes;
 mod suite;
 mod tidy;
 
@@ -57,6 +59,8 @@ enum Task {
     BenchCurves(bench::curves::Arguments),
     /// Times scenes that are not in the comparison with others beside an older commit, in turns.
     BenchScenes(bench::scenes::Arguments),
+    /// Draws random scenes with an older commit and with this one: every picture has to have the same bytes.
+    SameBytes(same_bytes::Arguments),
     /// Throws hostile files at the readers (needs a nightly toolchain and cargo-fuzz).
     Fuzz {
         /// The reader, such as `nrrd`; all one after another if not said.
@@ -91,6 +95,7 @@ fn main() -> Result<ExitCode> {
         Task::BenchThreads(arguments) => bench::threads::run(&root, &arguments)?,
         Task::BenchCurves(arguments) => bench::curves::run(&root, &arguments)?,
         Task::BenchScenes(arguments) => bench::scenes::run(&root, &arguments)?,
+        Task::SameBytes(arguments) => same_bytes::run(&root, &arguments)?,
         Task::Fuzz { target, seconds } => fuzz::run(&root, target.as_deref(), seconds)?,
     };
     Ok(if passed {

@@ -1,7 +1,8 @@
 //! `cargo xtask bench-curves`: how time and memory grow.
 
 use super::plot::Plot;
-use super::{Table, built_example, lines, median, milliseconds, number, numbers, publish};
+use super::{Table, lines, median, milliseconds, number, numbers, publish};
+use crate::older_commit::built_example;
 use anyhow::{Context, Result};
 use serde_json::Value;
 use std::path::Path;
@@ -42,7 +43,7 @@ const EDGES: [u32; 5] = [64, 128, 256, 512, 1024];
 /// # Errors
 /// The example cannot be built or run, or a file cannot be written.
 pub fn run(root: &Path, arguments: &Arguments) -> Result<bool> {
-    let program = built_example(root, "cost_curves")?;
+    let program = built_example(root, "strahl-cpu", "cost_curves")?;
     let mut body = format!(
         "    cargo xtask bench-curves\n\n\
          Medians of {} frames of a phantom of 8 bits. Where a quantity is not that of the curve it is: 256³ voxels, 512² \

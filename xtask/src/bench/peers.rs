@@ -2,9 +2,10 @@
 
 use super::cases::{Asked, title};
 use super::pictures::{Difference, Picture};
-use super::{Table, built_example, median, milliseconds, number, numbers, only_line, publish};
+use super::{Table, median, milliseconds, number, numbers, only_line, publish};
 use crate::apt;
 use crate::command::succeeds;
+use crate::older_commit::built_example;
 use crate::python::{environment, shared_data, target_folder};
 use anyhow::{Result, bail};
 use serde_json::Value;
@@ -49,7 +50,7 @@ pub fn run(root: &Path, arguments: &Arguments) -> Result<bool> {
         return Ok(true);
     }
     let peers = Peers {
-        strahl: built_example(root, "time_frames")?,
+        strahl: built_example(root, "strahl-cpu", "time_frames")?,
         python: python_with_vtk(root)?,
         script: root.join("bench/vtk_peer.py"),
         scratch: target_folder(root)?.join("bench"),

@@ -1,9 +1,8 @@
 //! `cargo xtask bench-scenes`: what nobody else is compared with must not have become slower than in an older
 //! commit.
 
-use super::{Table, built_example, lines, median, milliseconds, number, numbers, publish};
-use crate::command::{output, succeeds};
-use crate::python::target_folder;
+use super::{Table, lines, median, milliseconds, number, numbers, publish};
+use crate::older_commit::OlderCommit;
 use anyhow::{Context, Result, ensure};
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -46,20 +45,8 @@ pub struct Arguments {
 /// # Errors
 /// A commit is not there, cannot be built or run.
 pub fn run(root: &Path, arguments: &Arguments) -> Result<bool> {
-    let checkout = match &arguments.checkout {
-        Some(folder) => folder.clone(),
-        None => checkout(root, &arguments.baseline)?,
-    };
-    let copy = checkout.join(EXAMPLE);
-    if let Some(folder) = copy.parent() {
-        std::fs::create_dir_all(folder)?;
-    }
-    std::fs::copy(root.join(EXAMPLE), &copy)
-        .with_context(|| format!("cannot write {}", copy.display()))?;
-    let programs = [
-        built_example(&checkout, "time_scenes")?,
-        built_example(root, "time_scenes")?,
-    ];
+    let older = OlderCommit::new(root, &arguments.baseline, arguments.checkout.as_deref())?;
+    let programs = older.examples("strahl-cpu", EXAMPLE)?;
     let mut order: Vec<String> = Vec::new();
     let mut seconds: [BTreeMap<String, Vec<f64>>; 2] = Default::default();
     let mut samples: [BTreeMap<String, f64>; 2] = Default::default();
@@ -132,27 +119,4 @@ fn name(line: &Value) -> Result<String> {
     Ok(name
         .with_context(|| format!("no scene in {line}"))?
         .to_owned())
-}
-
-/// A checkout of `commit` under `target`, made if it is not there.
-fn checkout(root: &Path, commit: &str) -> Result<PathBuf> {
-    let git = || {
-        let mut command = Command::new("git");
-        command.current_dir(root);
-        command
-    };
-    let name = format!("{commit}^{{commit}}");
-    let id = output(git().args(["rev-parse", "--verify", &name]))
-        .with_context(|| format!("git knows no commit {commit:?}"))?;
-    let folder = target_folder(root)?.join("baseline").join(id.trim());
-    if !folder.join("Cargo.toml").is_file() {
-        let mut add = git();
-        add.args(["worktree", "add", "--force", "--detach"]);
-        ensure!(
-            succeeds(add.arg(&folder).arg(id.trim()))?,
-            "git cannot check {commit} out into {}",
-            folder.display()
-        );
-    }
-    Ok(folder)
 }

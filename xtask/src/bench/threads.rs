@@ -1,7 +1,8 @@
 //! `cargo xtask bench-threads`: what more threads gain, beside what the machine has to give.
 
 use super::cases::{Asked, title};
-use super::{Table, built_example, milliseconds, numbers, only_line, publish};
+use super::{Table, milliseconds, numbers, only_line, publish};
+use crate::older_commit::built_example;
 use anyhow::{Context, Result, anyhow};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -62,7 +63,7 @@ pub fn run(root: &Path, arguments: &Arguments) -> Result<bool> {
     if names.is_empty() {
         return Ok(true);
     }
-    let program = built_example(root, "time_frames")?;
+    let program = built_example(root, "strahl-cpu", "time_frames")?;
     let processes = format!("{threads} processes, of each");
     let of_threads = format!("{threads} threads");
     let mut table = Table::new(&[
