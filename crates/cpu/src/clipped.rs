@@ -1,7 +1,7 @@
 //! Bricks that clips leave nothing of.
 
+use crate::brick_number::EDGE;
 use crate::kept::Kept;
-use crate::skip::Skip;
 use std::sync::{Arc, OnceLock};
 use strahl_scene::plan::{Composite, Plan, SampleClip, Sampling};
 use strahl_scene::visibility::dropped;
@@ -78,7 +78,7 @@ impl<'v> Masks<'v> {
 
     fn get(&self, mask: usize) -> (&Volume, &Bricks) {
         let (volume, bricks) = &self.0[mask];
-        let bricks = bricks.get_or_init(|| Bricks::with_edge(volume, Skip::EDGE));
+        let bricks = bricks.get_or_init(|| Bricks::with_edge(volume, EDGE));
         (volume, bricks)
     }
 }

@@ -1,11 +1,11 @@
 //! Cubes of bricks inside which one sample can stand for several lattice points.
 
+use crate::brick_number::SHIFT;
 use crate::lanes::{F32s, I32s, Vec3s, each};
 use crate::levels::Level;
 use crate::library::fetch::Shape;
+use crate::line::{Line, points_to_face};
 use crate::of_bricks::{OfBricks, RecentOfBricks};
-use crate::ray::Line;
-use crate::skip::{Skip, points_to_face};
 use strahl_scene::plan::{Plan, Sampling};
 use strahl_scene::visibility::even_cubes;
 use strahl_volume::bricks::Bricks;
@@ -39,7 +39,7 @@ impl EvenCubes {
             return one;
         }
         // Cells along the edge: a brick's, doubled for each number above 1.
-        let exponent = cube.max(1) + I32s::splat(126 + Skip::SHIFT as i32);
+        let exponent = cube.max(1) + I32s::splat(126 + SHIFT as i32);
         let edge = exponent.shifted_up(23).as_bits();
         let corner = I32s::splat(0) - edge.to_i32s();
         let reach = edge * F32s::splat(0.5);

@@ -25,6 +25,7 @@
 
 #![warn(missing_docs)]
 
+mod brick_number;
 mod clipped;
 mod doubles;
 mod elementary;
@@ -37,12 +38,15 @@ pub mod kernels;
 mod lanes;
 mod levels;
 mod library;
+mod line;
 mod march;
 mod meshes;
 mod of_bricks;
 mod options;
 mod progress;
-mod ray;
+mod raster;
+mod ray_packet;
+mod rays;
 mod refine;
 mod rejection;
 mod rendered;

@@ -1,11 +1,10 @@
 //! What a rule of sampling knows of each brick of a volume.
 
+use crate::brick_number::{EDGE, brick_number};
 use crate::clipped::Clipped;
 use crate::kept::Kept;
-use crate::lanes::I32s;
-use crate::lanes::words;
+use crate::lanes::{I32s, words};
 use crate::levels::Level;
-use crate::skip::{Skip, brick_number};
 use std::sync::Arc;
 use strahl_scene::plan::{Plan, Reconstruct, Sampling};
 use strahl_scene::transfer::TransferTable;
@@ -46,7 +45,7 @@ impl OfBricks {
         clipped: Option<&Clipped>,
         find: impl FnOnce(&Plan, usize, &Bricks) -> Option<Vec<u8>>,
     ) -> Option<OfBricks> {
-        assert_eq!(bricks.edge(), Skip::EDGE);
+        assert_eq!(bricks.edge(), EDGE);
         // Words are gathered at 32-bit offsets.
         if bricks.number() > i32::MAX as usize / 8 {
             return None;

@@ -6,11 +6,12 @@
 //! C·C·C − L·L·L = (C − L)·C·C + L·(C − L)·C + L·L·(C − L), a second difference of each axis, weighted across it by
 //! kernels whose weights add up to 1. Bricks have bounds of all that.
 
+use crate::brick_number::{EDGE, brick_number};
 use crate::lanes::{F32s, I32s, Mask, Vec3s, words};
 use crate::levels::{Level, inlined, vectorized};
 use crate::library::classify::Between;
 use crate::library::reconstruct::Values;
-use crate::skip::{Skip, brick_number, rounded_up};
+use crate::skip::rounded_up;
 use std::sync::Arc;
 use strahl_scene::plan::{Classify, Composite, Fetch, Plan, Reconstruct};
 use strahl_volume::bends::bends;
@@ -36,7 +37,7 @@ struct Bends {
 
 impl OfCubic {
     pub fn new(volume: &Volume) -> OfCubic {
-        let bricks = Bricks::with_reach(volume, Skip::EDGE, 1);
+        let bricks = Bricks::with_reach(volume, EDGE, 1);
         let largest = bricks
             .ranges()
             .fold(0.0, |largest: f32, BrickRange { lo, hi }| {
@@ -49,7 +50,7 @@ impl OfCubic {
         let fits = bricks.number() <= i32::MAX as usize / 8;
         let bends = (is_whole && fits).then(|| Bends {
             words: Arc::new(
-                bends(volume, Skip::EDGE)
+                bends(volume, EDGE)
                     .into_iter()
                     .map(|[least, most]| half(most) << 16 | half(least))
                     .collect(),

@@ -1,5 +1,6 @@
 //! Draws Plans of the same data: what is prepared for them, and kept from picture to picture.
 
+use crate::brick_number::EDGE;
 use crate::clipped::{Clipped, Masks, RecentClipped};
 use crate::error::Error;
 use crate::even::EvenCubes;
@@ -9,18 +10,20 @@ use crate::library::fetch::{MarschnerLobb, Noise, Shape};
 use crate::library::jitter::Jitters;
 use crate::library::reconstruct::{Values, of_fetch, values};
 use crate::library::shade::Shading;
+use crate::line::MAX_POINTS;
 use crate::march::Counts;
 use crate::meshes::Meshes;
 use crate::of_bricks::RecentOfBricks;
 use crate::options::Options;
 use crate::progress::Progress;
-use crate::ray;
+use crate::raster::Raster;
+use crate::ray_packet::most_points;
 use crate::rejection::{OfCubic, Rejection};
 use crate::rendered::{Rendered, Stats};
 use crate::scenery::{Object, Scenery, Stored};
 use crate::skip::{Recent, Skip};
 use crate::strides::Strides;
-use crate::tiles::{self, Raster};
+use crate::tiles;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::Instant;
 use strahl_scene::Image;
@@ -79,7 +82,7 @@ impl<'v> Renderer<'v> {
             bricks: data
                 .volumes
                 .iter()
-                .map(|volume| Bricks::with_edge(volume, Skip::EDGE))
+                .map(|volume| Bricks::with_edge(volume, EDGE))
                 .collect(),
             bricks_seconds: start.elapsed().as_secs_f64(),
             recent: Recent::default(),
@@ -146,13 +149,13 @@ impl<'v> Renderer<'v> {
                 slot: module.module.slot().name,
             });
         }
-        let points = ray::most_points(plan);
-        if points > ray::MAX_POINTS {
+        let points = most_points(plan);
+        if points > MAX_POINTS {
             let step_mm = plan.lattice.step_mm;
             return Err(Error::StepTooShort {
                 step_mm,
                 points,
-                least_mm: step_mm * points / ray::MAX_POINTS,
+                least_mm: step_mm * points / MAX_POINTS,
             });
         }
         if options.tile == 0 {

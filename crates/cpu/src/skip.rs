@@ -3,11 +3,12 @@
 //! Only whole lattice points are left out, and only those whose single-precision position falls
 //! into a brick that provably gives nothing: pictures have the same bytes with skipping and without.
 
+use crate::brick_number::{EDGE, SHIFT, brick_number, brick_number_of};
 use crate::clipped::Clipped;
 use crate::lanes::{F32s, I32s, LANES, Vec3s, each, words};
 use crate::levels::Level;
 use crate::library::fetch::Shape;
-use crate::ray::{Line, NEVER};
+use crate::line::{Line, points_to_face};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -63,46 +64,14 @@ impl<S: Level> Cubes<'_, S> {
         position: Vec3s<S>,
         line: &Line<S>,
     ) -> F32s<S> {
-        let (half, edge) = (F32s::splat(0.5), F32s::splat(Skip::EDGE as f32));
+        let (half, edge) = (F32s::splat(0.5), F32s::splat(EDGE as f32));
         // Half a brick, and the bricks behind it.
         let reach = (cube.to_f32s() - half) * edge;
         let middle = each!(cell, |c| {
-            (c.shifted_down(Skip::SHIFT).to_f32s() + half) * edge
+            (c.shifted_down(SHIFT).to_f32s() + half) * edge
         });
         points_to_face(line, position, middle, reach)
     }
-}
-
-/// The number of the brick that each cell lies in, of `dims` bricks along the axes.
-#[inline(always)]
-pub fn brick_number<S: Level>(dims: [i32; 3], cell: [I32s<S>; 3]) -> I32s<S> {
-    brick_number_of(dims, Skip::SHIFT, cell)
-}
-
-/// The same for bricks of 2^`shift` cells along the edge.
-#[inline(always)]
-fn brick_number_of<S: Level>(dims: [i32; 3], shift: u32, cell: [I32s<S>; 3]) -> I32s<S> {
-    let brick = each!(cell, |c| c.shifted_down(shift));
-    let slice = dims[0] * dims[1];
-    brick[0] + brick[1] * I32s::splat(dims[0]) + brick[2] * I32s::splat(slice)
-}
-
-/// How many lattice points, that at `position` included, lie in a block with this middle, and `reach` from
-/// there to its face.
-#[inline(always)]
-pub fn points_to_face<S: Level>(
-    line: &Line<S>,
-    position: Vec3s<S>,
-    middle: Vec3s<S>,
-    reach: F32s<S>,
-) -> F32s<S> {
-    let mut points = F32s::splat(NEVER);
-    for axis in 0..3 {
-        let face = middle[axis] + reach * line.sign[axis] - line.margin[axis];
-        let steps = (face - position[axis]) * line.inverse_step[axis] + line.stays[axis];
-        points = points.min(steps);
-    }
-    points.max(F32s::zero()).to_i32s().to_f32s() + F32s::splat(1.0)
 }
 
 /// Upper bounds of the values, or of the values' negatives, in all blocks of 2³ bricks. The bricks are those of the volume,
@@ -122,7 +91,7 @@ pub struct Bounds {
 impl Bounds {
     /// From those of single bricks.
     fn new(mut dims: [usize; 3], mut of_bricks: Vec<f32>, is_negative: bool) -> Bounds {
-        let mut shift = Skip::SHIFT;
+        let mut shift = SHIFT;
         while dims.iter().any(|&n| n > MOST_BRICKS) {
             of_bricks = largest_of_eight(dims, &of_bricks);
             dims = dims.map(|n| n.div_ceil(2));
@@ -379,13 +348,6 @@ fn unclipped(contribution: Contribution, clipped: Option<&[bool]>) -> Contributi
 }
 
 impl Skip {
-    /// Cells along the edge of the bricks: of the samples of typical scans half as many lie in visible
-    /// bricks of 4 as in those of 8; the octants' cubes are then 12.5 % of a `u8` volume.
-    pub const EDGE: usize = 4;
-
-    /// Of a cell's number, to that of its brick.
-    pub const SHIFT: u32 = Self::EDGE.trailing_zeros();
-
     /// What can be left out of object number `object`, also where it is `clipped`; `None` if the rule needs, or its loop
     /// visits, every sample.
     pub fn new(
@@ -395,7 +357,7 @@ impl Skip {
         object: usize,
         clipped: Option<&Clipped>,
     ) -> Option<Skip> {
-        assert_eq!(bricks.edge(), Self::EDGE);
+        assert_eq!(bricks.edge(), EDGE);
         if plan.composite == Composite::BackToFront {
             return None;
         }

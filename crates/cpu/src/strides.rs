@@ -1,11 +1,11 @@
 //! How many lattice points a sample can stand for, by the opacity around it.
 
+use crate::brick_number::EDGE;
 use crate::clipped::Clipped;
 use crate::lanes::{F32s, I32s, Mask, each};
 use crate::levels::{Level, inlined};
+use crate::line::Line;
 use crate::of_bricks::{OfBricks, RecentOfBricks};
-use crate::ray::Line;
-use crate::skip::Skip;
 use strahl_scene::plan::{Plan, Sampling};
 use strahl_scene::visibility::most_opacity;
 use strahl_volume::bricks::Bricks;
@@ -44,7 +44,7 @@ impl Strides {
     #[inline(always)]
     pub fn along<S: Level>(&self, line: &Line<S>) -> StridesAlong<'_, S> {
         // A little less than the edge: positions are rounded.
-        let most = F32s::splat(0.99 * Skip::EDGE as f32);
+        let most = F32s::splat(0.99 * EDGE as f32);
         let [x, y, z] = each!(line.step_in_voxel, |step| step.abs());
         let steps = x.max(y).max(z);
         let fits = inlined(

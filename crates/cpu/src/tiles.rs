@@ -5,12 +5,12 @@ use crate::lanes::{LANES, PACKET};
 use crate::levels::{Level, vectorized};
 use crate::march::{Counts, OfRuns};
 use crate::progress::Progress;
-use crate::ray::RayPacket;
+use crate::raster::Raster;
+use crate::ray_packet::RayPacket;
 use crate::scenery::Scenery;
 use rayon::prelude::*;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use strahl_scene::plan::Plan;
 
 /// What the pixels of a raster hold before its colours are made linear.
 pub struct Drawn {
@@ -19,38 +19,6 @@ pub struct Drawn {
     /// Distance of the hit in the first frame, in mm; empty if nobody asked.
     pub depth_mm: Vec<f32>,
     pub counts: Counts,
-}
-
-/// The pixels of a picture that are drawn: every `stride`-th column and row, beginning with `first`.
-#[derive(Clone, Copy, Debug)]
-pub struct Raster {
-    /// Column and row.
-    pub first: [u32; 2],
-    /// In columns and rows, ≥ 1.
-    pub stride: [u32; 2],
-}
-
-impl Raster {
-    /// Every pixel.
-    pub const ALL: Raster = Raster {
-        first: [0, 0],
-        stride: [1, 1],
-    };
-
-    /// Number of columns and rows of these pixels in a picture of `plan`; 0 if it is too small to have any.
-    pub fn size(&self, plan: &Plan) -> [usize; 2] {
-        let number = |pixels: u32, axis: usize| {
-            let behind = pixels.saturating_sub(self.first[axis]);
-            behind.div_ceil(self.stride[axis]) as usize
-        };
-        [number(plan.width, 0), number(plan.height, 1)]
-    }
-
-    /// Number of tiles with this edge.
-    pub fn tiles(&self, plan: &Plan, edge: u32) -> usize {
-        let [width, height] = self.size(plan);
-        width.div_ceil(edge as usize) * height.div_ceil(edge as usize)
-    }
 }
 
 /// A rectangle of the picture that one task draws: its rows, each a part of a row of the picture.

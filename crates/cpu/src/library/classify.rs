@@ -4,10 +4,12 @@ mod between;
 mod grey;
 mod integrals;
 mod pre_classified;
+mod surface;
 mod table;
 
 pub use between::Between;
 pub use integrals::{Integrals, RecentIntegrals};
+pub use surface::Surface;
 pub use table::Table;
 
 use crate::lanes::{F32s, Mask, Vec3s, length};
@@ -15,15 +17,6 @@ use crate::levels::Level;
 use crate::library::gradient::Gradients;
 use crate::library::reconstruct::Values;
 use strahl_scene::plan::Classify;
-
-/// What a value looks like.
-#[derive(Clone, Copy)]
-pub struct Surface<S: Level> {
-    /// Not premultiplied.
-    pub colour: Vec3s<S>,
-    /// Per reference length.
-    pub opacity: F32s<S>,
-}
 
 /// Colour and opacity of `value` at `position` (voxel space) where `asked`; anything elsewhere.
 #[inline(always)]

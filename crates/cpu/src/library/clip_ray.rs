@@ -6,7 +6,7 @@ mod plane;
 
 use crate::doubles::F64s;
 use crate::levels::Level;
-use crate::ray::Rays;
+use crate::rays::Rays;
 use strahl_scene::plan::Plan;
 
 /// Where the rays enter and leave what is drawn of object number `object` in front of opaque

@@ -7,10 +7,12 @@ mod blinn_phong;
 mod cook_torrance;
 mod lambert;
 mod phong;
+mod surface;
 
 use crate::lanes::{F32s, Vec3s, dot, each};
 use crate::levels::Level;
 use strahl_scene::plan::Illuminate;
+use surface::Surface;
 
 /// What one light does to a surface.
 #[inline(always)]
@@ -53,13 +55,4 @@ pub fn illuminate<S: Level>(
     each!([0, 1, 2], |c| {
         radiance[c] * (diffuse * color[c] + highlight)
     })
-}
-
-/// A surface under one light.
-struct Surface<S: Level> {
-    normal: Vec3s<S>,
-    to_eye: Vec3s<S>,
-    to_light: Vec3s<S>,
-    /// Of the angle between normal and light, 0 if it comes from behind.
-    cosine: F32s<S>,
 }

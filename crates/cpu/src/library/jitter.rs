@@ -1,6 +1,7 @@
 //! Slot jitter: where in its step the samples of a ray lie.
 
 mod hash;
+mod moved_on;
 mod sine_hash;
 mod tile;
 
@@ -36,10 +37,4 @@ impl Jitters {
             Jitters::Tile(tile) => tile::jitter(tile, x, y, frame),
         }
     }
-}
-
-/// `value` moved on by the golden ratio for each frame, which fills [0, 1) evenly.
-fn moved_on(value: f32, frame: u32) -> f32 {
-    let moved = value + (frame & 0xFFFF) as f32 * 0.618_034;
-    moved - moved.floor()
 }

@@ -1,6 +1,9 @@
 //! Slot shade: the look of a classified sample.
 
 mod lit;
+mod place;
+
+pub use place::Place;
 
 use crate::lanes::{F32s, Mask, Vec3s, length};
 use crate::levels::Level;
@@ -12,16 +15,6 @@ use strahl_scene::plan::{Plan, Shade};
 pub struct Shading {
     model: Shade,
     lights: Vec<Light>,
-}
-
-/// What a sample's shading may ask for.
-pub struct Place<S: Level, G, P> {
-    /// The gradient; called only if it matters.
-    pub gradient: G,
-    /// Where the sample is in the world; called only if it matters.
-    pub place_mm: P,
-    /// Unit vector.
-    pub to_eye: Vec3s<S>,
 }
 
 impl Shading {

@@ -4,7 +4,7 @@
 //! that it depends on the lattice and on the cubes only. A cube that is even shows nothing at all or something
 //! everywhere: skipping leaves out a run or none of it.
 
-use super::Packet;
+use super::packet::Packet;
 use crate::lanes::{F32s, Mask};
 use crate::levels::{Level, vectorized};
 use crate::library::classify::Surface;

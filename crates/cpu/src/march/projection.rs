@@ -4,10 +4,10 @@
 //! cannot exceed. Each ray samples the most promising run first; hardly any other run can hold more than
 //! what it has found there.
 
-use super::Packet;
+use super::packet::Packet;
 use crate::lanes::{F32s, Mask};
 use crate::levels::{Level, vectorized};
-use crate::ray::Line;
+use crate::line::Line;
 use crate::scenery::Object;
 use crate::skip::Bounds;
 use strahl_scene::plan::Composite;

@@ -8,14 +8,14 @@
 //! common: then the ranges of both overlap, and together they reach from one end's value to the other's. That is what
 //! skipping rests on here; segments that are longer than a brick are looked at wherever they leave one.
 
-use super::Packet;
+use super::packet::Packet;
+use crate::brick_number::EDGE;
 use crate::lanes::{F32s, Mask, Vec3s, each};
 use crate::levels::{Level, inlined, vectorized};
 use crate::library::classify::{Integrals, Surface};
 use crate::library::composite::emission_absorption;
-use crate::ray::Line;
+use crate::line::Line;
 use crate::scenery::{Look, Object};
-use crate::skip::Skip;
 use strahl_scene::plan::Curve;
 
 /// How the samples inside a segment get their values.
@@ -350,7 +350,7 @@ impl<S: Level> Packet<'_, S> {
 #[inline(always)]
 fn ends_in_neighbours<S: Level>(line: &Line<S>) -> Mask<S> {
     // A little less than the edge: positions are rounded.
-    let most = F32s::splat(0.99 * Skip::EDGE as f32);
+    let most = F32s::splat(0.99 * EDGE as f32);
     let [x, y, z] = each!(line.step_in_voxel, |step| step.abs().le(most));
     x & y & z
 }

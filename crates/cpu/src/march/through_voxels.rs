@@ -6,7 +6,7 @@
 //! that the answer need not be waited for; and lit samples are collected until every lane has one (the
 //! opacity, which decides what later samples count for, needs no light).
 
-use super::Packet;
+use super::packet::Packet;
 use crate::lanes::{F32s, I32s, LANES, Mask, Vec3s, each, lanes, to_rows};
 use crate::levels::{Level, inlined, vectorized};
 use crate::library::classify::Surface;

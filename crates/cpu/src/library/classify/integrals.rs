@@ -5,7 +5,8 @@
 //! A table holds both for all pairs of some values of the transfer function's domain, so that it does not depend on
 //! the data.
 
-use super::{Surface, Table};
+use super::surface::Surface;
+use super::table::Table;
 use crate::elementary::opacity_of_lengths;
 use crate::kept::Kept;
 use crate::lanes::{F32s, I32s, Mask, each, row_pairs};

@@ -1,4 +1,5 @@
-use super::{Surface, Table};
+use super::surface::Surface;
+use super::table::Table;
 use crate::lanes::{F32s, I32s, Vec3s, each};
 use crate::levels::Level;
 use crate::library::reconstruct::Values;

@@ -1,4 +1,4 @@
-use super::Surface;
+use super::surface::Surface;
 use crate::lanes::{F32s, I32s, Mask, row_pairs, words};
 use crate::levels::{Level, inlined};
 use strahl_scene::transfer::TransferTable;

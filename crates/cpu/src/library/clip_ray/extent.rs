@@ -1,6 +1,6 @@
 use crate::doubles::{F64s, moved, turned};
 use crate::levels::Level;
-use crate::ray::Rays;
+use crate::rays::Rays;
 use strahl_volume::Grid;
 
 /// Cuts to the sampled extent: the slab test in voxel space, so that oblique and sheared grids need

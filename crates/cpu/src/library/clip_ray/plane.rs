@@ -1,6 +1,6 @@
 use crate::doubles::{F64s, dot, splat};
 use crate::levels::Level;
-use crate::ray::Rays;
+use crate::rays::Rays;
 use strahl_scene::plan::ClipPlane;
 
 /// Cuts to the half-space normal·p + offset ≥ 0.

@@ -1,6 +1,6 @@
 //! The mean along the ray: what an X-ray film would show of a linear detector.
 
-use super::State;
+use super::state::State;
 use crate::lanes::{F32s, Mask};
 use crate::levels::Level;
 

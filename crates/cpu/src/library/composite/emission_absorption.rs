@@ -1,6 +1,6 @@
 //! N. Max, "Optical models for direct volume rendering" (1995), front to back.
 
-use super::State;
+use super::state::State;
 use crate::lanes::{F32s, Mask, Vec3s};
 use crate::levels::Level;
 

@@ -1,7 +1,8 @@
 //! Maximum intensity difference accumulation (S. Bruckner and E. Gröller 2009): where the ray meets
 //! a value larger than all before, what lies in front fades by the difference.
 
-use super::State;
+use super::emission_absorption;
+use super::state::State;
 use crate::lanes::{F32s, Mask, Vec3s, each};
 use crate::levels::Level;
 
@@ -28,13 +29,13 @@ pub fn fade<S: Level>(
 /// Adds what the eye sees of a sample, as emission–absorption does.
 #[inline(always)]
 pub fn add<S: Level>(state: &mut State<S>, visible: Mask<S>, colour: Vec3s<S>, opacity: F32s<S>) {
-    super::emission_absorption::add(state, visible, colour, opacity);
+    emission_absorption::add(state, visible, colour, opacity);
 }
 
 /// Where so little would still come through that the ray may end, and no larger value can come.
 #[inline(always)]
 pub fn done<S: Level>(state: &State<S>, stop_at_transmittance: f32, blend: f32) -> Mask<S> {
-    let opaque = super::emission_absorption::done(state, stop_at_transmittance);
+    let opaque = emission_absorption::done(state, stop_at_transmittance);
     if blend == -1.0 {
         return opaque;
     }

@@ -1,6 +1,6 @@
 //! Minimum intensity projection.
 
-use super::State;
+use super::state::State;
 use crate::lanes::{F32s, Mask};
 use crate::levels::Level;
 

@@ -1,4 +1,5 @@
-use super::{Fetch, Shape};
+use super::shape::Shape;
+use super::voxels::Fetch;
 use crate::lanes::{F32s, I32s, each, lanes};
 use crate::levels::Level;
 

@@ -1,4 +1,4 @@
-use super::Surface;
+use super::surface::Surface;
 use crate::elementary::power_of_cosine;
 use crate::lanes::{F32s, along, dot, unit};
 use crate::levels::Level;

@@ -1,4 +1,4 @@
-use super::Surface;
+use super::surface::Surface;
 use crate::lanes::{F32s, along, dot, each};
 use crate::levels::{Level, inlined};
 

@@ -1,4 +1,4 @@
-use super::moved_on;
+use super::moved_on::moved_on;
 
 /// fract(cos(11.55·x + 42.123·y)·35684.525), the trigonometric hash of older shaders.
 pub fn jitter(x: u32, y: u32, frame: u32) -> f32 {

@@ -1,4 +1,4 @@
-use super::moved_on;
+use super::moved_on::moved_on;
 use strahl_scene::NoiseTile;
 
 /// A tile of noise, repeated over the picture.

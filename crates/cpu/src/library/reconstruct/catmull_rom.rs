@@ -1,3 +1,4 @@
+use super::cubic::cubic;
 use crate::lanes::{F32s, Vec3s};
 use crate::levels::{Level, inlined};
 use crate::library::fetch::Fetch;
@@ -5,7 +6,7 @@ use crate::library::fetch::Fetch;
 /// The spline of E. Catmull and R. Rom (1974) over 64 voxels.
 #[inline(always)]
 pub fn stored<S: Level, F: Fetch<S>>(fetch: &F, position: Vec3s<S>) -> F32s<S> {
-    super::cubic(
+    cubic(
         fetch,
         position,
         #[inline(always)]

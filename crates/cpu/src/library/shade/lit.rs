@@ -1,4 +1,4 @@
-use super::Place;
+use super::place::Place;
 use crate::lanes::{F32s, Mask, Vec3s, dot, each, scale, splat3, unit};
 use crate::levels::Level;
 use crate::library::illuminate::illuminate;

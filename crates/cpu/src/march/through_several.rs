@@ -1,0 +1,124 @@
+//! The ray loops through several volumes: at each lattice point their looks are mixed.
+
+use super::packet::Packet;
+use crate::lanes::{F32s, Mask, each};
+use crate::levels::{Level, vectorized};
+use crate::library::classify::Surface;
+use crate::library::composite::emission_absorption;
+use crate::scenery::Look;
+
+impl<S: Level> Packet<'_, S> {
+    /// Front to back through several volumes: at each lattice point their looks are mixed.
+    #[inline(never)]
+    pub(super) fn forwards_through_several(&mut self) -> F32s<S> {
+        vectorized::<S, _>(
+            #[inline(always)]
+            || self.forwards_through_several_here(),
+        )
+    }
+
+    #[inline(always)]
+    pub(super) fn forwards_through_several_here(&mut self) -> F32s<S> {
+        let rays = self.rays;
+        let one = F32s::splat(1.0);
+        let mut k = F32s::zero();
+        let mut live = k.lt(rays.count);
+        while live.any() {
+            let jump = self.jump_over_all(k);
+            let empty = live & F32s::zero().lt(jump);
+            if empty.any() {
+                let next = empty.select((k + jump).min(rays.count), k);
+                self.skipped += next - k;
+                k = next;
+                live = live & k.lt(rays.count);
+                continue;
+            }
+            let look = self.mixed(k, live);
+            let Surface { colour, opacity } = look.surface;
+            emission_absorption::add(&mut self.state, look.visible, colour, opacity);
+            self.visible += look.visible.select(one, F32s::zero());
+            k = live.select(k + one, k);
+            live = live & k.lt(rays.count) & !self.done();
+        }
+        k
+    }
+
+    /// Back to front through several volumes.
+    #[inline(never)]
+    pub(super) fn backwards_through_several(&mut self) -> F32s<S> {
+        vectorized::<S, _>(
+            #[inline(always)]
+            || self.backwards_through_several_here(),
+        )
+    }
+
+    #[inline(always)]
+    pub(super) fn backwards_through_several_here(&mut self) -> F32s<S> {
+        let one = F32s::splat(1.0);
+        let mut left = self.rays.count;
+        let mut live = F32s::zero().lt(left);
+        while live.any() {
+            left = live.select(left - one, left);
+            let look = self.mixed(left, live);
+            let Surface { colour, opacity } = look.surface;
+            emission_absorption::add_in_front(&mut self.state, look.visible, colour, opacity);
+            self.visible += look.visible.select(one, F32s::zero());
+            live = live & F32s::zero().lt(left);
+        }
+        self.rays.count
+    }
+
+    /// How many lattice points from `k` on show nothing of any volume.
+    #[inline(always)]
+    pub(super) fn jump_over_all(&self, k: F32s<S>) -> F32s<S> {
+        let mut jump = self.rays.count - k;
+        for (object, line) in self.scenery.objects.iter().zip(&self.rays.lines) {
+            let inside = line.first.le(k) & k.lt(line.end);
+            let before = k.lt(line.first);
+            let own = match &object.skip {
+                Some(skip) if inside.any() => {
+                    let position = line.position(k + self.rays.jitter);
+                    let jump = skip.jump(object.values.shape(), line, position);
+                    // Behind its last point it shows nothing either.
+                    let to_end = (line.end - k).le(jump);
+                    to_end.select(self.rays.count - k, jump)
+                }
+                _ => F32s::zero(),
+            };
+            let elsewhere = before.select(line.first - k, self.rays.count - k);
+            jump = jump.min(inside.select(own, elsewhere));
+        }
+        jump.max(F32s::zero())
+    }
+
+    /// The looks of all volumes at lattice point `k`, mixed so that their order does not matter:
+    /// A = 1 − Π(1 − aᵢ), C = Σ aᵢ·cᵢ / Σ aᵢ, which is exact for short steps.
+    #[inline(always)]
+    pub(super) fn mixed(&mut self, k: F32s<S>, live: Mask<S>) -> Look<S> {
+        let one = F32s::splat(1.0);
+        let (mut colour, mut opacities, mut passes) = ([F32s::zero(); 3], F32s::zero(), one);
+        let mut visible = Mask::none();
+        for (object, line) in self.scenery.objects.iter().zip(&self.rays.lines) {
+            let inside = live & line.first.le(k) & k.lt(line.end);
+            if !inside.any() {
+                continue;
+            }
+            let look = self.look(object, line.position(k + self.rays.jitter), inside);
+            let opacity = look.visible.select(look.surface.opacity, F32s::zero());
+            for (sum, c) in colour.iter_mut().zip(look.surface.colour) {
+                *sum += look.visible.select(c * opacity, F32s::zero());
+            }
+            opacities += opacity;
+            passes = passes * (one - opacity);
+            visible = visible | look.visible;
+        }
+        let divisor = F32s::zero().lt(opacities).select(opacities, one);
+        Look {
+            surface: Surface {
+                colour: each!(colour, |c| c.over(divisor)),
+                opacity: one - passes,
+            },
+            visible,
+        }
+    }
+}
