@@ -14,7 +14,7 @@ use std::process::Command;
 pub fn run(root: &Path, time: bool, only: Option<&str>, verbose: bool) -> Result<bool> {
     let python = environment(root, "oracle-venv", "xtask/oracle/requirements.txt")?;
     ensure!(
-        succeeds(cargo(root).args(["build", "--release", "--package", "strahl"]))?,
+        succeeds(cargo(root).args(["build", "--release", "--package", "strahl-cli"]))?,
         "strahl does not build"
     );
     if time {

@@ -63,6 +63,7 @@ const MAY_KNOW: &[(&str, &[&str])] = &[
             "strahl-sim",
         ],
     ),
+    ("strahl-cli", &["strahl"]),
     (
         "strahl-viewer",
         &[
@@ -131,7 +132,7 @@ const ONLY_IN: &[(&str, &[&str], &str)] = &[
     ),
     (
         "anyhow",
-        &["strahl", "strahl-viewer", "strahl-bench", "xtask"],
+        &["strahl-cli", "strahl-viewer", "strahl-bench", "xtask"],
         "a library has its own error type; anyhow is for programs",
     ),
 ];
@@ -175,7 +176,7 @@ pub fn packages(root: &Path) -> Result<Vec<Package>> {
         .collect())
 }
 
-/// Every arrow that must not be, and `anyhow` in the library part of a crate with a program.
+/// Every arrow that must not be.
 pub fn check(packages: &[Package], tree: &Tree) -> Vec<Finding> {
     let mut findings = Vec::new();
     let ours = |name: &str| {
@@ -225,70 +226,8 @@ pub fn check(packages: &[Package], tree: &Tree) -> Vec<Finding> {
                 }
             }
         }
-        findings.extend(anyhow_in_library(package, tree));
     }
     findings
-}
-
-/// Of a crate that is both library and program, only the program may use anyhow: `main.rs` and the
-/// modules that it, and not `lib.rs`, declares.
-fn anyhow_in_library(package: &Package, tree: &Tree) -> Vec<Finding> {
-    let source = package.manifest.replace("Cargo.toml", "src/");
-    let library = format!("{source}lib.rs");
-    if tree.text(&library).is_none() {
-        return Vec::new();
-    }
-    let mut findings = Vec::new();
-    for path in module_files(tree, &library) {
-        let text = tree.text(&path).unwrap_or_default();
-        for (number, line) in text.lines().enumerate() {
-            let code = line.split("//").next().unwrap_or_default();
-            if code.contains("anyhow::") || code.contains("use anyhow") {
-                findings.push(Finding::new(
-                    &path,
-                    number + 1,
-                    "anyhow in a library",
-                    "Return the crate's own error type; only what main.rs declares may use anyhow",
-                ));
-            }
-        }
-    }
-    findings
-}
-
-/// A source file and every file of the modules that it declares.
-fn module_files(tree: &Tree, start: &str) -> Vec<String> {
-    let mut found = vec![start.to_string()];
-    let mut next = 0;
-    while next < found.len() {
-        let path = found[next].clone();
-        next += 1;
-        let Some((folder, file)) = path.rsplit_once('/') else {
-            continue;
-        };
-        let folder = match file {
-            "lib.rs" | "main.rs" | "mod.rs" => folder.to_string(),
-            _ => format!("{folder}/{}", file.trim_end_matches(".rs")),
-        };
-        for line in tree.text(&path).unwrap_or_default().lines() {
-            let declared = line
-                .trim()
-                .trim_start_matches("pub ")
-                .trim_start_matches("pub(crate) ")
-                .strip_prefix("mod ")
-                .and_then(|rest| rest.strip_suffix(';'));
-            let Some(name) = declared else { continue };
-            for candidate in [
-                format!("{folder}/{name}.rs"),
-                format!("{folder}/{name}/mod.rs"),
-            ] {
-                if tree.text(&candidate).is_some() && !found.contains(&candidate) {
-                    found.push(candidate);
-                }
-            }
-        }
-    }
-    found
 }
 
 /// The line of the manifest that names the dependency.
@@ -328,7 +267,8 @@ mod tests {
             package("strahl-volume", &["glam", "flate2"]),
             package("strahl-scene", &["strahl-volume", "serde"]),
             package("strahl-cpu", &["strahl-scene", "strahl-volume", "rayon"]),
-            package("strahl", &["strahl-cpu", "anyhow"]),
+            package("strahl", &["strahl-cpu"]),
+            package("strahl-cli", &["strahl", "anyhow"]),
             package("xtask", &["anyhow", "clap"]),
         ];
         assert_eq!(problems(&packages, &Tree::default()), [""; 0]);
@@ -343,7 +283,8 @@ mod tests {
         let packages = [
             package("strahl-volume", &["strahl-scene"]),
             package("strahl-cpu", &["strahl-gpu"]),
-            package("strahl-scene", &["wgpu", "anyhow"]),
+            package("strahl-scene", &["wgpu"]),
+            package("strahl", &["anyhow"]),
             package("strahl-gpu", &["egui-wgpu"]),
             package("strahl-extra", &[]),
         ];
@@ -353,34 +294,11 @@ mod tests {
                 "strahl-volume must not know strahl-scene",
                 "strahl-cpu must not know strahl-gpu",
                 "strahl-scene must not name wgpu",
-                "strahl-scene must not name anyhow",
+                "strahl must not name anyhow",
                 "strahl-gpu must not name egui-wgpu",
                 "the crate strahl-extra has no place in the order of crates",
             ]
         );
         assert_eq!(check(&packages, &tree)[1].line, 2);
-    }
-
-    #[test]
-    fn finds_anyhow_in_the_library_but_not_in_the_program() {
-        let tree = Tree::from_texts([
-            ("crates/strahl/src/lib.rs", "pub mod render;\n"),
-            (
-                "crates/strahl/src/render.rs",
-                "mod file;\n// anyhow::Error would be easier\n",
-            ),
-            (
-                "crates/strahl/src/render/file.rs",
-                "fn f() -> anyhow::Result<()> {}\n",
-            ),
-            (
-                "crates/strahl/src/main.rs",
-                "mod cli;\nuse anyhow::Result;\n",
-            ),
-            ("crates/strahl/src/cli.rs", "use anyhow::Result;\n"),
-        ]);
-        let found = check(&[package("strahl", &["anyhow"])], &tree);
-        assert_eq!(found.len(), 1, "{found:?}");
-        assert_eq!(found[0].path, "crates/strahl/src/render/file.rs");
     }
 }

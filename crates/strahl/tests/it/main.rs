@@ -1,54 +1,14 @@
-//! The program and the library as their users meet them.
+//! The library as its users meet it.
 
-mod backend;
-mod bad_input;
-mod commands;
 mod examples;
-mod flags;
 mod graph;
 mod library;
-mod pictures;
-mod shader;
-mod sim;
 mod slicing;
-#[cfg(unix)]
-mod stopping;
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::Command;
 use strahl::volume::write::{NewMemoryFiles, WriteOptions, write};
 use strahl::{Phantom, Volume};
-
-/// The program, about to run in `folder`.
-fn program(folder: &Path, args: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_strahl"));
-    command.args(args).current_dir(folder).stdin(Stdio::null());
-    command
-}
-
-/// What the program said and how it ended.
-struct Run {
-    code: Option<i32>,
-    out: String,
-    err: String,
-}
-
-fn run(folder: &Path, args: &[&str]) -> Run {
-    let output = program(folder, args).output().unwrap();
-    Run {
-        code: output.status.code(),
-        out: String::from_utf8(output.stdout).unwrap(),
-        err: String::from_utf8(output.stderr).unwrap(),
-    }
-}
-
-/// Runs the program, which has to succeed; what it printed on stdout.
-#[track_caller]
-fn run_well(folder: &Path, args: &[&str]) -> String {
-    let run = run(folder, args);
-    assert_eq!(run.code, Some(0), "strahl {args:?}: {}", run.err);
-    run.out
-}
 
 /// The names in a folder, sorted.
 fn names(folder: &Path) -> Vec<String> {
@@ -77,18 +37,4 @@ fn save(volume: &Volume, folder: &Path, name: &str) {
     for (name, bytes) in files.0 {
         std::fs::write(folder.join(name), bytes).unwrap();
     }
-}
-
-/// The data beside the checkout; `None`, and a line that says so, where it is missing.
-fn shared_data(name: &str) -> Option<PathBuf> {
-    let root = std::env::var_os("STRAHL_SHARED").map_or_else(
-        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared"),
-        PathBuf::from,
-    );
-    let path = root.join("data").join(name);
-    if path.exists() {
-        return Some(path);
-    }
-    println!("skipped: no {name} in ../shared/data");
-    None
 }

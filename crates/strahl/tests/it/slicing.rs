@@ -1,9 +1,8 @@
 //! Graphs that are drawn by slices, against the same samples along rays.
 
 use super::graph::{agreement, drawn, examples, has_gpu};
-use super::*;
 use std::fs;
-use strahl::{Backend, Image, Render, Scene};
+use strahl::{Backend, Image, Render, Scene, SceneFile};
 
 const ORTHOGRAPHIC: &str =
     r#""projection": "orthographic", "azimuth_deg": 40, "elevation_deg": 12"#;
@@ -282,12 +281,12 @@ fn what_slices_cannot_do_is_said_before_anything_is_drawn() {
         .to_json()
         .replacen('{', r#"{ "objects": [{ "mesh": "a.stl" }],"#, 1);
     fs::write(folder.path().join("mesh.json"), text).unwrap();
-    let said = run(folder.path(), &["render", "mesh.json", "-o", "a.png", "-q"]);
-    assert_eq!(said.code, Some(1));
+    let scene = SceneFile::open(&folder.path().join("mesh.json"));
+    let among_meshes = Render::scene(scene.unwrap().unwrap().scene);
+    let error = among_meshes.picture().unwrap_err().to_string();
     assert!(
-        said.err.contains("slices are not drawn among meshes"),
-        "{}",
-        said.err
+        error.contains("slices are not drawn among meshes"),
+        "{error}"
     );
 }
 

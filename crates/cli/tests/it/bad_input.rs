@@ -110,7 +110,7 @@ fn labels_of_another_grid() {
         "other.nrrd",
     );
     // The samples of shells are rescaled, which labels are not.
-    let grid = strahl::volume::Grid::centred([4, 4, 4], glam::DVec3::ONE).unwrap();
+    let grid = strahl::volume::Grid::centred([4, 4, 4], strahl::glam::DVec3::ONE).unwrap();
     let ids = Volume::new(
         grid,
         strahl::volume::Samples::U8(vec![1; 64]),
