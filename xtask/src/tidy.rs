@@ -1,10 +1,12 @@
 //! `cargo xtask tidy`: the rules of the house that no compiler checks.
 //!
-//! Every rule is a function from the tracked files (or cargo's metadata) to [`Finding`]s; each
+//! Every rule is a function from the tracked files (or cargo's metadata) to [`Finding`](finding::Finding)s; each
 //! finding names the place, what is wrong, and the remedy.
 
+mod circles;
 mod coverage;
 mod dependencies;
+mod finding;
 mod glossary;
 mod lanes;
 mod links;
@@ -16,51 +18,11 @@ use anyhow::Result;
 use std::path::Path;
 use tree::Tree;
 
-/// One broken rule at one place.
-#[derive(Debug, PartialEq)]
-pub struct Finding {
-    /// Path from the root of the checkout.
-    pub path: String,
-    /// From 1.
-    pub line: usize,
-    /// What is wrong, in one sentence without a full stop.
-    pub problem: String,
-    /// What to do.
-    pub remedy: String,
-}
-
-impl Finding {
-    fn new(
-        path: impl Into<String>,
-        line: usize,
-        problem: impl Into<String>,
-        remedy: impl Into<String>,
-    ) -> Finding {
-        Finding {
-            path: path.into(),
-            line,
-            problem: problem.into(),
-            remedy: remedy.into(),
-        }
-    }
-}
-
-impl std::fmt::Display for Finding {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Finding {
-            path,
-            line,
-            problem,
-            remedy,
-        } = self;
-        write!(f, "{path}:{line}: {problem}. {remedy}")
-    }
-}
-
 /// Checks every rule and prints what is broken; whether nothing is.
 pub fn run(root: &Path) -> Result<bool> {
     let tree = Tree::of(root)?;
     let mut findings = dependencies::check(&dependencies::packages(root)?, &tree);
+    findings.extend(circles::check(&tree));
     findings.extend(names::check(&tree));
     findings.extend(coverage::check(&tree));
     findings.extend(glossary::check(&tree));

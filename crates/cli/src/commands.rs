@@ -4,19 +4,16 @@ mod convert;
 mod draw;
 mod graph;
 mod info;
+mod load;
 mod presets;
 mod scene;
 mod shader;
 pub mod sim;
 
-use crate::args;
-use crate::flags::{Command, CompletionsFlags, Flags, ReadFlags};
+use crate::flags::{Command, CompletionsFlags, Flags};
 use crate::print;
-use crate::progress::Progress;
 use anyhow::Result;
 use clap::CommandFactory;
-use std::path::PathBuf;
-use strahl::volume::read::Loaded;
 
 /// Does what was typed.
 pub fn run(flags: Flags) -> Result<()> {
@@ -39,12 +36,4 @@ fn completions(flags: &CompletionsFlags) -> Result<()> {
     let mut script = Vec::new();
     clap_complete::generate(flags.shell, &mut Flags::command(), "strahl", &mut script);
     print::out(&String::from_utf8_lossy(&script))
-}
-
-/// Reads a volume with progress; its notes are left to the caller.
-fn load(paths: &[PathBuf], flags: &ReadFlags, quiet: bool) -> Result<Loaded> {
-    let options = args::read_options(flags)?;
-    let progress = Progress::new("reading", quiet);
-    let loaded = strahl::load_with_progress(paths, &options, &|part| progress.update(part));
-    Ok(loaded?)
 }

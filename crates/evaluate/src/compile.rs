@@ -7,10 +7,11 @@
 
 mod math;
 mod reads;
+mod statements;
 
 use crate::code::*;
 use crate::error::Error;
-use crate::registers::allocate;
+use crate::registers::{Class, allocate};
 use crate::resources::{Resource, Resources};
 use crate::scalar;
 use naga::valid::{FunctionInfo, ModuleInfo};
@@ -19,6 +20,7 @@ use naga::{
     ImageClass, ImageDimension, ImageQuery, Literal, Module, RelationalFunction, Scalar,
     ScalarKind, Statement, SwitchValue, TypeInner, UnaryOperator, VectorSize,
 };
+use statements::each_statement;
 use std::borrow::Cow;
 use std::collections::HashMap;
 use std::rc::Rc;
@@ -28,17 +30,6 @@ const SMALL: usize = 400;
 
 /// A variable of more scalars than this is refused: it would be one register each.
 const MOST_SCALARS: usize = 1 << 14;
-
-/// The class of a register.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Class {
-    /// The same in all lanes, from the prologue on.
-    Uniform,
-    /// Written once, read afterwards.
-    Value,
-    /// Written and read at any time.
-    Variable,
-}
 
 /// The types of variables and pointers are borrowed where the module has them.
 type Inner<'m> = Cow<'m, TypeInner>;
@@ -1377,30 +1368,6 @@ fn column_words(rows: VectorSize) -> u32 {
     match rows {
         VectorSize::Bi => 2,
         VectorSize::Tri | VectorSize::Quad => 4,
-    }
-}
-
-/// Calls `f` for every statement, however deep.
-fn each_statement<'m>(block: &'m Block, f: &mut dyn FnMut(&'m Statement)) {
-    for statement in block.iter() {
-        f(statement);
-        match statement {
-            Statement::Block(block) => each_statement(block, f),
-            Statement::If { accept, reject, .. } => {
-                each_statement(accept, f);
-                each_statement(reject, f);
-            }
-            Statement::Switch { cases, .. } => {
-                cases.iter().for_each(|case| each_statement(&case.body, f));
-            }
-            Statement::Loop {
-                body, continuing, ..
-            } => {
-                each_statement(body, f);
-                each_statement(continuing, f);
-            }
-            _ => {}
-        }
     }
 }
 

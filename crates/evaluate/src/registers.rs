@@ -5,9 +5,19 @@
 //! allocation", over the program as it is written, with a loop as one long step for what comes from before it.
 
 use crate::code::{Code, NOWHERE, Node, Op, Reg, Role};
-use crate::compile::Class;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
+
+/// The class of a register.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Class {
+    /// The same in all lanes, from the prologue on.
+    Uniform,
+    /// Written once, read afterwards.
+    Value,
+    /// Written and read at any time.
+    Variable,
+}
 
 /// Gives `code`, in which every value has a register of its own, as few as it needs.
 pub fn allocate(mut code: Code, classes: &[Class]) -> Code {

@@ -1,6 +1,6 @@
 //! Shader functions that a scene names: those of the library by their names, a user's own by file.
 
-use crate::parse::nearest;
+use crate::nearest::nearest;
 use crate::plan::{
     Classify, Composite, DebugView, Fetch, GradientInput, GradientMethod, Illuminate, Jitter, Plan,
     PlanModule, Reconstruct, Shade,

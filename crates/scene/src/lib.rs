@@ -29,6 +29,8 @@ mod graph_text;
 mod headers;
 mod image;
 mod light;
+mod method;
+mod nearest;
 mod noise_tile;
 mod object;
 mod parse;
@@ -38,6 +40,7 @@ mod resolve;
 mod sampling;
 mod scene;
 mod transfer_function;
+mod volume_source;
 mod window;
 
 pub use camera::{Camera, Projection, View};
@@ -49,6 +52,7 @@ pub use graph_text::GraphText;
 pub use headers::Headers;
 pub use image::Image;
 pub use light::{Light, LightKind, LightSpace};
+pub use method::Method;
 pub use noise_tile::NoiseTile;
 pub use object::{Placement, SceneObject};
 pub use parse::{Error, schema};
@@ -57,7 +61,8 @@ pub use problem::{Problem, Problems};
 pub use resolve::{FORMAT, MAX_SAMPLES_PER_RAY, resolve, resolve_with, settled, settled_with};
 pub use sampling::{Sampling, SamplingRule};
 pub use scene::{
-    Compositing, DebugView, Display, Endian, Gradient, GradientInput, GradientMethod, Jitter,
-    LabelSource, Method, Quality, Reconstruct, Scene, Shading, ShadingModel, ToneMap, VolumeSource,
+    Compositing, DebugView, Display, Gradient, GradientInput, GradientMethod, Jitter, LabelSource,
+    Quality, Reconstruct, Scene, Shading, ShadingModel, ToneMap,
 };
 pub use transfer_function::{PointsIn, TransferFunction, TransferPoint};
+pub use volume_source::{Endian, VolumeSource};

@@ -1,6 +1,7 @@
 //! Text ↔ Scene: JSON with comments and trailing commas.
 
 use crate::Scene;
+use crate::nearest::nearest;
 use serde_json::error::Category;
 
 /// No scene is longer; a text that is was not meant as one.
@@ -233,20 +234,6 @@ fn unknown_name(path: &str, why: &str) -> (String, String) {
         sentence.push_str(&format!("{separator}known are {}", known.join(", ")));
     }
     (path, sentence)
-}
-
-/// The known name that `found` was probably meant to be.
-pub(crate) fn nearest<'a>(found: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
-    let wanted = found.to_lowercase().replace(['-', ' '], "_");
-    known
-        .map(|name| {
-            let plain = name.replace('-', "_");
-            let alike = strsim::jaro_winkler(&wanted, &plain);
-            (alike, name)
-        })
-        .filter(|(alike, _)| *alike > 0.8)
-        .max_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, name)| name)
 }
 
 /// serde's names of Rust types in words that a person who writes scenes knows.

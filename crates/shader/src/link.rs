@@ -7,7 +7,7 @@
 use crate::error::Error;
 use crate::module::{Module, PRELUDE, validate_program};
 use crate::program::{Block, Passage, Program};
-use crate::skeleton::bindings;
+use crate::skeleton::{Skeleton, bindings};
 use crate::slot::{Fold, SLOTS, SUPPLIED, Signature, Slot};
 use crate::token::{Declared, Token, closing, declarations, tokens};
 use naga::TypeInner;
@@ -53,28 +53,6 @@ impl Selection {
 
 fn index(slot: &Slot) -> usize {
     SLOTS.iter().position(|other| other == slot).unwrap_or(0)
-}
-
-/// The part of a program that is not exchanged: the ray loop, its resources and entry points. It
-/// defines the functions of [`SUPPLIED`] but `lighting`, and calls those of slots.
-/// [`ray_loop`](crate::ray_loop) makes it.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub struct Skeleton {
-    /// What it is called, in comments.
-    pub name: String,
-    /// What is in every program. The uniform block of the parameters is bound by the linker at group 0,
-    /// binding [`PARAMETERS`](crate::bindings::PARAMETERS).
-    pub wgsl: Arc<str>,
-    /// Texts that are put in if one of the functions that they define is called.
-    pub parts: Vec<Arc<str>>,
-    /// The order of the samples, from the eye and towards it: the second is put in if the composite
-    /// is [back to front](Module::is_back_to_front), the first else.
-    pub orders: [Arc<str>; 2],
-    /// Functions that it brings itself, each under the name by which it calls it: the nodes of a graph.
-    pub functions: Vec<(String, Arc<Module>)>,
-    /// How many objects it draws. Several are drawn only by a composite that calls `look`, which
-    /// mixes them.
-    pub objects: usize,
 }
 
 /// Links, and remembers what it has linked.

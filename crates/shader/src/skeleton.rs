@@ -5,13 +5,34 @@
 //! which knows nothing of others.
 
 use crate::error::Error;
-use crate::link::Skeleton;
 use crate::module::{Module, PRELUDE};
 use crate::slot::{SLOTS, SUPPLIED};
 use crate::token::tokens;
 use std::collections::HashSet;
 use std::fmt::Write;
 use std::sync::{Arc, LazyLock};
+
+/// The part of a program that is not exchanged: the ray loop, its resources and entry points. It
+/// defines the functions of [`SUPPLIED`] but `lighting`, and calls those of slots.
+/// [`ray_loop`] makes it.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Skeleton {
+    /// What it is called, in comments.
+    pub name: String,
+    /// What is in every program. The uniform block of the parameters is bound by the linker at group 0,
+    /// binding [`PARAMETERS`](bindings::PARAMETERS).
+    pub wgsl: Arc<str>,
+    /// Texts that are put in if one of the functions that they define is called.
+    pub parts: Vec<Arc<str>>,
+    /// The order of the samples, from the eye and towards it: the second is put in if the composite
+    /// is [back to front](Module::is_back_to_front), the first else.
+    pub orders: [Arc<str>; 2],
+    /// Functions that it brings itself, each under the name by which it calls it: the nodes of a graph.
+    pub functions: Vec<(String, Arc<Module>)>,
+    /// How many objects it draws. Several are drawn only by a composite that calls `look`, which
+    /// mixes them.
+    pub objects: usize,
+}
 
 /// How the texture of a volume is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -5,8 +5,9 @@
 //! along one ray, with the functions that the pipeline calls too.
 
 use crate::fixed_point::{scaled, whole};
-use crate::frame::{Fragment, Frame};
+use crate::frame::Frame;
 use crate::messages::{Classified, Lit, Read, Sample, Slot, Visible};
+use crate::polygons::Fragment;
 use crate::rays::Ray;
 use crate::spec::{Classification, Leaping, Reconstruction};
 use crate::stages::absorb::Absorber;

@@ -3,13 +3,10 @@
 //! The printed second pass forgets the voxel's own value, and clamps and divides in place, which corrupts what follows.
 //! Here own = min(own, 1 + min of 13), then steps are made of distances separately.
 
-use crate::distance_engine::in_columns;
+use crate::distance_engine::{FARTHEST, in_columns};
 use crate::spec::{Leaping, Optimisation};
 use crate::stages::classify::Tables;
 use crate::stages::fetch::Voxels;
-
-/// The largest distance that is told apart: 8 bits.
-pub const FARTHEST: u8 = u8::MAX;
 
 /// The distance store: how many steps a ray may go from a cell, 0 where the cell is not empty.
 #[derive(Clone, Debug)]

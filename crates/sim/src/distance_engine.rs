@@ -12,8 +12,10 @@
 //! margin nothing is missed; beyond it a distance from another column can be, and rows that wrap can make others. Both show
 //! only in distances of more than the margin, so these are cut to margin + 1, which is never too far.
 
-use crate::distance::FARTHEST;
 use crate::spec::Engine;
+
+/// The largest distance that is told apart: 8 bits.
+pub const FARTHEST: u8 = u8::MAX;
 
 /// Two-input comparators of the circuit.
 pub const COMPARATORS: usize = 6;

@@ -4,7 +4,7 @@
 //! tFAW, tRFC, tREFI. Every module has its own command bus. With plain SDR timing it counts what [`memory`](crate::memory)
 //! counts (a test compares them).
 
-use crate::memory::Access;
+use crate::access::Access;
 use crate::spec::{Cache, Memory as MemorySpec, Timing};
 use crate::voxel_layout::{Place, VoxelLayout};
 

@@ -4,7 +4,7 @@ use crate::Error;
 use crate::adaptive::RadiusStore;
 use crate::deformation::Deformation;
 use crate::distance::DistanceStore;
-use crate::polygons::Surface;
+use crate::polygons::{Fragment, Surface};
 use crate::rays::RaySetup;
 use crate::spec::{DistanceMemory, Leaping, MemoryModel, Shading, Shadow, Shape, Spec};
 use crate::stages::classify::Tables;
@@ -274,15 +274,4 @@ impl Frame {
         self.deformation = Some(Arc::new(deformation));
         Ok(self)
     }
-}
-
-/// What a polygon shows in a pixel (document §8.5): the frame buffer of a rasteriser.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Fragment {
-    /// Its distance from the image plane in steps: samples of this plane and behind are behind it.
-    pub plane: u16,
-    /// Its opacity: `widths.data` bits. A ray ends at an opaque one.
-    pub opacity: u32,
-    /// Its light: `widths.intensity` bits; grey pictures use the first.
-    pub intensity: [u32; 3],
 }

@@ -40,6 +40,8 @@ pub mod stages;
 
 pub mod ray_queue;
 
+pub mod access;
+
 pub mod memory;
 
 pub mod voxel_layout;
@@ -96,6 +98,7 @@ pub mod study;
 
 mod error;
 mod jaw;
+mod subject;
 mod volume_store;
 
 pub use counters::Counters;
@@ -103,7 +106,8 @@ pub use error::Error;
 pub use frame::Frame;
 pub use jaw::jaw;
 pub use observer::{Nobody, Observer, Wires};
-pub use picture::{Picture, Subject, draw};
+pub use picture::{Picture, draw};
 pub use processor::{Progress, Run, no_progress, run};
 pub use spec::Spec;
+pub use subject::Subject;
 pub use volume_store::VolumeStore;

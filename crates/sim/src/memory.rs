@@ -1,37 +1,11 @@
 //! The volume memory under a freezing controller: rows that are open, what opening costs, and the two counters.
 
+use crate::access::Access;
 use crate::dram::Dram;
 use crate::spec::{Memory as MemorySpec, MemoryModel, RowRule};
 use crate::voxel_layout::VoxelLayout;
 
 const CLOSED: u32 = u32::MAX;
-
-/// What an access found.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Access {
-    /// Clocks that the pipeline is held for rows.
-    pub row_clocks: u32,
-    /// Clocks that it is held for a refresh.
-    pub refresh_clocks: u32,
-    /// Clocks that it is held because one module cannot deliver eight words at once, or because of bursts.
-    pub serial_clocks: u32,
-    /// Clocks that the distance store holds it beyond these.
-    pub distance_clocks: u32,
-    /// Rows of the distance store opened.
-    pub distance_misses: u32,
-    /// Rows opened, over all modules.
-    pub module_misses: u32,
-    /// Whether the document's counter sees a change.
-    pub thesis_changes: u32,
-}
-
-impl Access {
-    /// Clocks that the pipeline is held.
-    #[inline(always)]
-    pub fn clocks(&self) -> u32 {
-        self.row_clocks + self.refresh_clocks + self.serial_clocks + self.distance_clocks
-    }
-}
 
 /// The memory of one processor.
 #[derive(Clone, Debug)]

@@ -9,10 +9,10 @@
 
 use crate::counters::Counters;
 use crate::observer::{Nobody, Observer};
-use crate::picture::Subject;
 use crate::processor::{Progress, Run, run};
 use crate::rays::RaySetup;
 use crate::spec::{Axis, Spec};
+use crate::subject::Subject;
 use crate::volume_store::VolumeStore;
 use crate::{Error, Frame};
 

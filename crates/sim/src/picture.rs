@@ -16,31 +16,8 @@ use crate::merge::Boards;
 use crate::observer::Observer;
 use crate::processor::{Progress, Run, run};
 use crate::spec::Spec;
-use crate::volume_store::VolumeStore;
+use crate::subject::Subject;
 use crate::{Error, Frame};
-use strahl_volume::Mesh;
-
-/// What is drawn.
-#[derive(Clone, Debug)]
-pub struct Subject<'a> {
-    /// The volume.
-    pub volume: &'a VolumeStore,
-    /// Those that `merge.volumes` names, in that order.
-    pub others: Vec<VolumeStore>,
-    /// The mesh that `polygons.shape.file` names.
-    pub mesh: Option<Mesh>,
-}
-
-impl<'a> Subject<'a> {
-    /// One volume and nothing else.
-    pub fn of(volume: &'a VolumeStore) -> Subject<'a> {
-        Subject {
-            volume,
-            others: Vec::new(),
-            mesh: None,
-        }
-    }
-}
 
 /// A picture that is settled: whatever can fail has not failed.
 #[derive(Clone, Debug)]

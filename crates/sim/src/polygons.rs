@@ -4,13 +4,23 @@
 //! Of surfaces one behind the other the nearest is kept, as a frame buffer does. What lies before the image plane is put
 //! onto it.
 
-use crate::frame::Fragment;
 use crate::rays::RaySetup;
 use crate::spec::{Shape, Spec};
 use crate::stages::shade::phong;
 use glam::{DAffine3, DVec3};
 use std::ops::Range;
 use strahl_volume::Mesh;
+
+/// What a polygon shows in a pixel (document §8.5): the frame buffer of a rasteriser.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Fragment {
+    /// Its distance from the image plane in steps: samples of this plane and behind are behind it.
+    pub plane: u16,
+    /// Its opacity: `widths.data` bits. A ray ends at an opaque one.
+    pub opacity: u32,
+    /// Its light: `widths.intensity` bits; grey pictures use the first.
+    pub intensity: [u32; 3],
+}
 
 /// A surface in voxels.
 #[derive(Clone, Debug)]

@@ -10,11 +10,12 @@
 //! its own into the delay behind it. A clock in which the memory holds the pipeline is not evaluated, only counted.
 
 use crate::Error;
+use crate::access::Access;
 use crate::counters::Counters;
 use crate::data_path::{DataPath, Light, RayValue, Step};
 use crate::frame::Frame;
 use crate::latch::Delay;
-use crate::memory::{Access, Memory};
+use crate::memory::Memory;
 use crate::messages::{Classified, Lit, Read, Return, Sample, Slot, Terminate, Visible};
 use crate::observer::{Nobody, Observer, Wires};
 use crate::ray_queue::{Rank, SortedQueue, Waiting};

@@ -9,12 +9,15 @@ mod display;
 mod exr;
 mod fxaa;
 mod png;
+mod recipe;
 
 use crate::Error;
 use std::fs::File;
 use std::io::{BufReader, Read, Seek, Write};
 use std::path::Path;
 use strahl_scene::{Image, plan::Display};
+
+pub use recipe::{Recipe, SOFTWARE};
 
 /// How a picture is stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,27 +63,7 @@ impl Encoding {
     }
 }
 
-/// This program and its version, as picture files name it.
-pub const SOFTWARE: &str = concat!("Strahl ", env!("CARGO_PKG_VERSION"));
-
-/// What a picture file says about how it was made.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Recipe {
-    /// The scene as JSON.
-    pub scene: String,
-    /// The program and its version, such as `Strahl 0.1.0`.
-    pub software: String,
-}
-
 impl Recipe {
-    /// A scene, made into a picture by this version.
-    pub fn new(scene: impl Into<String>) -> Recipe {
-        Recipe {
-            scene: scene.into(),
-            software: SOFTWARE.into(),
-        }
-    }
-
     /// The recipe in the picture file at `path`; `None` if the file is no PNG or EXR, or one that
     /// does not say.
     ///

@@ -106,6 +106,16 @@ impl Error {
         .into()
     }
 
+    /// What to say of a format whose feature is turned off.
+    #[cfg(not(all(feature = "tiff", feature = "dicom")))]
+    pub(crate) fn not_built_in(format: &str, feature: &str) -> Error {
+        ErrorKind::Unsupported {
+            feature: format!("{format} in this build"),
+            instead: format!("build with the feature `{feature}`"),
+        }
+        .into()
+    }
+
     /// The same error, said of `file`, unless a file is already named.
     pub fn in_file(mut self, file: &str) -> Error {
         self.file.get_or_insert_with(|| file.to_owned());

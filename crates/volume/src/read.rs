@@ -7,6 +7,8 @@ mod data_files;
 #[cfg(feature = "dicom")]
 pub mod dicom;
 mod header_lines;
+mod input;
+mod loaded;
 pub mod mesh;
 mod metaimage;
 mod nifti;
@@ -23,104 +25,14 @@ mod tiff;
 mod unoriented;
 mod unpacked;
 
-use crate::{Error, ErrorKind, Label, Volume};
+use crate::{Error, ErrorKind};
 use options::Open;
 use sniff::Kind;
-use std::collections::BTreeMap;
-use std::io;
 
+pub(crate) use input::Input;
+pub use input::{Bytes, Files, MemoryFiles};
+pub use loaded::Loaded;
 pub use options::{RawLayout, ReadOptions};
-
-/// The bytes of one file, read by position, so that samples go straight to where they stay.
-pub trait Bytes: Send + Sync {
-    /// Number of bytes.
-    fn len(&self) -> u64;
-
-    /// Whether there is no byte.
-    fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-
-    /// Fills `into` from `offset` on.
-    ///
-    /// # Errors
-    /// `UnexpectedEof` if the file ends before, or what the system says.
-    fn read_at(&self, offset: u64, into: &mut [u8]) -> io::Result<()>;
-}
-
-impl Bytes for [u8] {
-    fn len(&self) -> u64 {
-        self.len() as u64
-    }
-
-    fn read_at(&self, offset: u64, into: &mut [u8]) -> io::Result<()> {
-        let source = usize::try_from(offset)
-            .ok()
-            .and_then(|start| self.get(start..start.checked_add(into.len())?))
-            .ok_or(io::ErrorKind::UnexpectedEof)?;
-        into.copy_from_slice(source);
-        Ok(())
-    }
-}
-
-impl<B: Bytes + ?Sized> Bytes for &B {
-    fn len(&self) -> u64 {
-        (**self).len()
-    }
-
-    fn read_at(&self, offset: u64, into: &mut [u8]) -> io::Result<()> {
-        (**self).read_at(offset, into)
-    }
-}
-
-impl Bytes for Vec<u8> {
-    fn len(&self) -> u64 {
-        self.as_slice().len() as u64
-    }
-
-    fn read_at(&self, offset: u64, into: &mut [u8]) -> io::Result<()> {
-        self.as_slice().read_at(offset, into)
-    }
-}
-
-/// A folder, or a list of files, as a reader sees it: names without folders, and their bytes.
-pub trait Files: Sync {
-    /// The names, sorted.
-    fn names(&self) -> Vec<String>;
-
-    /// Opens a file by name.
-    ///
-    /// # Errors
-    /// `NotFound` for an unknown name, or what the system says.
-    fn open(&self, name: &str) -> io::Result<Box<dyn Bytes + '_>>;
-}
-
-/// Files that are already in memory.
-pub type MemoryFiles = BTreeMap<String, Vec<u8>>;
-
-impl Files for MemoryFiles {
-    fn names(&self) -> Vec<String> {
-        self.keys().cloned().collect()
-    }
-
-    fn open(&self, name: &str) -> io::Result<Box<dyn Bytes + '_>> {
-        match self.get(name) {
-            Some(bytes) => Ok(Box::new(bytes.as_slice())),
-            None => Err(io::ErrorKind::NotFound.into()),
-        }
-    }
-}
-
-/// What a file held.
-#[derive(Clone, Debug)]
-pub struct Loaded {
-    /// The grid.
-    pub volume: Volume,
-    /// Names and colours of the objects, if the file says that its numbers are object ids.
-    pub labels: Option<Vec<Label>>,
-    /// What the user should know: slices left out, fields that were put right.
-    pub notes: Vec<String>,
-}
 
 /// Reads the volume that starts with the file `name` of `files` (a header may name siblings).
 /// The kind of file is found from its bytes, and from its name only where the bytes say nothing.
@@ -148,16 +60,6 @@ pub fn read_folder(name: &str, files: &dyn Files, options: &ReadOptions) -> Resu
     folder(name, files, options).map_err(|error| error.in_file(name))
 }
 
-/// What every reader gets: the file, and its siblings for headers that name other files.
-pub(crate) struct Input<'a> {
-    /// The file's name, without folders.
-    pub(crate) name: &'a str,
-    /// Its bytes (unpacked, if the whole file was packed).
-    pub(crate) bytes: &'a dyn Bytes,
-    /// The files beside it.
-    pub(crate) files: &'a dyn Files,
-}
-
 fn read_input(input: &Input, options: &ReadOptions) -> Result<Loaded, Error> {
     let kind = sniff::kind(input.bytes)?;
     match kind {
@@ -169,7 +71,10 @@ fn read_input(input: &Input, options: &ReadOptions) -> Result<Loaded, Error> {
             {
                 return read_kind(Kind::Nifti, input, options);
             }
-            unpacked::read(input, encoding, options)
+            unpacked::read(input, encoding, &|kind, input| match kind {
+                Some(kind) => read_kind(kind, input, options),
+                None => read_unknown(input, options),
+            })
         }
         Some(kind) => read_kind(kind, input, options),
         None => read_unknown(input, options),
@@ -190,12 +95,12 @@ fn read_kind(kind: Kind, input: &Input, options: &ReadOptions) -> Result<Loaded,
         #[cfg(feature = "tiff")]
         Kind::Tiff => tiff::read(input, options),
         #[cfg(not(feature = "tiff"))]
-        Kind::Tiff => Err(not_built_in("TIFF", "tiff")),
+        Kind::Tiff => Err(Error::not_built_in("TIFF", "tiff")),
         Kind::Png => slices::read_one(input, options),
         #[cfg(feature = "dicom")]
         Kind::Dicom => dicom::read_file(input, options),
         #[cfg(not(feature = "dicom"))]
-        Kind::Dicom => Err(not_built_in("DICOM", "dicom")),
+        Kind::Dicom => Err(Error::not_built_in("DICOM", "dicom")),
         Kind::MaybeDicom | Kind::MaybeAnalyze => read_unknown(input, options),
         Kind::Packed(encoding) => Err(ErrorKind::Unsupported {
             feature: format!("{encoding:?} inside {encoding:?}"),
@@ -275,11 +180,16 @@ fn folder(name: &str, files: &dyn Files, options: &ReadOptions) -> Result<Loaded
         #[cfg(feature = "dicom")]
         return dicom::read_folder(name, files, options);
         #[cfg(not(feature = "dicom"))]
-        return Err(not_built_in("DICOM", "dicom"));
+        return Err(Error::not_built_in("DICOM", "dicom"));
     }
     if !pictures.is_empty() {
         options.check("TIFF or PNG", &[Open::Time, Open::Spacing])?;
-        return slices::read_pictures(name, files, pictures, &others, options);
+        let mut loaded = match pictures.as_slice() {
+            [only] => read_file(only, files, options)?,
+            _ => slices::read_pictures(name, files, pictures, options)?,
+        };
+        loaded.notes.extend(slices::note_of_others(&others));
+        return Ok(loaded);
     }
     Err(ErrorKind::Unknown {
         why: format!(
@@ -288,13 +198,4 @@ fn folder(name: &str, files: &dyn Files, options: &ReadOptions) -> Result<Loaded
         ),
     }
     .into())
-}
-
-#[cfg(not(all(feature = "tiff", feature = "dicom")))]
-fn not_built_in(format: &str, feature: &str) -> Error {
-    ErrorKind::Unsupported {
-        feature: format!("{format} in this build"),
-        instead: format!("build with the feature `{feature}`"),
-    }
-    .into()
 }

@@ -14,13 +14,15 @@ mod metaimage;
 mod nifti;
 mod npy;
 mod nrrd;
+mod options;
 mod raw;
 
+use crate::Volume;
 use crate::error::{Error, ErrorKind};
 use crate::read::MemoryFiles;
-use crate::{Label, Volume};
 use std::io::{self, Write};
 
+pub use options::WriteOptions;
 pub use raw::value_type;
 
 /// The kinds of file that can be written.
@@ -75,26 +77,6 @@ impl Format {
     /// Whether files of this format say where their voxels lie in the world.
     pub fn keeps_place(self) -> bool {
         !matches!(self, Format::Npy | Format::Raw)
-    }
-}
-
-/// How to write.
-#[derive(Clone, Debug, PartialEq)]
-pub struct WriteOptions {
-    /// Packs the samples of NRRD (gzip) and MetaImage (zlib). NIfTI goes by its name; npy and raw
-    /// are never packed.
-    pub compress: bool,
-    /// The names and colours if the samples are object ids: NRRD keeps them as 3D Slicer does, NIfTI
-    /// keeps only that they are ids.
-    pub labels: Option<Vec<Label>>,
-}
-
-impl Default for WriteOptions {
-    fn default() -> WriteOptions {
-        WriteOptions {
-            compress: true,
-            labels: None,
-        }
     }
 }
 

@@ -7,7 +7,8 @@
 //! - `doc:PATH`: the documentation test on the first page of PATH;
 //! - `file:PATH`: a scene, picture or page.
 
-use super::{Finding, tree::Tree};
+use super::finding::Finding;
+use super::tree::Tree;
 
 const PATH: &str = "docs/coverage.md";
 

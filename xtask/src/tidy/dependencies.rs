@@ -1,6 +1,7 @@
 //! Which crate may know which: the arrows of ARCHITECTURE.md, over `cargo metadata`.
 
-use super::{Finding, tree::Tree};
+use super::finding::Finding;
+use super::tree::Tree;
 use crate::command::{cargo, output};
 use anyhow::{Context, Result};
 use std::path::Path;

@@ -1,6 +1,7 @@
 //! docs/glossary.md: one table, `| term | meaning | unit or space |`, sorted, no term twice.
 
-use super::{Finding, tree::Tree};
+use super::finding::Finding;
+use super::tree::Tree;
 
 const PATH: &str = "docs/glossary.md";
 

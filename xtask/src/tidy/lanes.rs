@@ -3,7 +3,8 @@
 //! One that the compiler does not happen to inline has none of the wide instructions: each operation becomes a call, and
 //! pictures that need it take up to seven times as long, with the same bytes, so that no test notices.
 
-use super::{Finding, tree::Tree};
+use super::finding::Finding;
+use super::tree::Tree;
 
 /// Where such functions are.
 const FOLDER: &str = "crates/cpu/src/";

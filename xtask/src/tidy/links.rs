@@ -1,6 +1,7 @@
 //! Links between the documents of the checkout lead somewhere.
 
-use super::{Finding, tree::Tree};
+use super::finding::Finding;
+use super::tree::Tree;
 
 /// Checks every relative link and picture of every Markdown file.
 pub fn check(tree: &Tree) -> Vec<Finding> {

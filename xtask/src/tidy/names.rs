@@ -1,6 +1,7 @@
 //! Names that say nothing, and names of places that exist on one machine only.
 
-use super::{Finding, tree::Tree};
+use super::finding::Finding;
+use super::tree::Tree;
 
 /// Drawers that collect what has no home. A homeless function goes to the lowest crate whose words
 /// it speaks.

@@ -1,7 +1,8 @@
 //! Pages that must be there: the documents, the scene schema, and a runnable example on the first
 //! page of every library.
 
-use super::{Finding, tree::Tree};
+use super::finding::Finding;
+use super::tree::Tree;
 
 const REQUIRED: &[(&str, &str)] = &[
     (

@@ -1,6 +1,6 @@
 //! `strahl convert`: a volume in another format.
 
-use super::load;
+use super::load::load;
 use crate::flags::ConvertFlags;
 use crate::print;
 use crate::progress::Progress;

@@ -1,6 +1,6 @@
 //! `strahl info`: what is in a volume file.
 
-use super::load;
+use super::load::load;
 use crate::flags::InfoFlags;
 use crate::print::{self, number};
 use anyhow::Result;

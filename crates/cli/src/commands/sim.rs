@@ -1,5 +1,6 @@
 //! `strahl sim`: a picture on the modelled processor, its Spec, its studies.
 
+use super::load::load;
 use crate::args;
 use crate::flags::{
     ReadFlags, SimCommand, SimRunFlags, SimScriptFlags, SimSpecFlags, SimStatsFormat, SimStudyFlags,
@@ -247,7 +248,7 @@ fn first_volume(
         }
         return scene(file, has_spec, spec, quiet);
     }
-    let loaded = super::load(&flags.inputs, &flags.read, quiet)?;
+    let loaded = load(&flags.inputs, &flags.read, quiet)?;
     for note in &loaded.notes {
         print::note(note, quiet);
     }
@@ -273,7 +274,7 @@ fn others(spec: &Spec, quiet: bool) -> Result<Vec<VolumeStore>> {
         {
             return Ok(store);
         }
-        let loaded = super::load(&[path], &ReadFlags::default(), quiet)?;
+        let loaded = load(&[path], &ReadFlags::default(), quiet)?;
         for note in &loaded.notes {
             print::note(note, quiet);
         }
@@ -535,7 +536,7 @@ fn study(flags: &SimStudyFlags, quiet: bool) -> Result<()> {
     let mut lab = Lab::new(&progress);
     lab.with_large = flags.large;
     for path in &flags.volume {
-        let loaded = super::load(std::slice::from_ref(path), &ReadFlags::default(), quiet)?;
+        let loaded = load(std::slice::from_ref(path), &ReadFlags::default(), quiet)?;
         let mut store = VolumeStore::new(&loaded.volume)?;
         if let Some(stem) = path.file_name() {
             store.name = stem

@@ -1,6 +1,6 @@
 //! `strahl sim`.
 
-use super::ReadFlags;
+use super::read::ReadFlags;
 use clap::{Args, Subcommand, ValueEnum};
 use std::path::PathBuf;
 

@@ -3,7 +3,7 @@
 //! A value that was read has to stay when its variable changes. Within one run of expressions nothing
 //! changes, so what is read and used up there can be taken from the variable's own registers.
 
-use super::each_statement;
+use super::statements::each_statement;
 use naga::{Expression, Function, Handle, MathFunction, Statement};
 
 /// For every expression, whether its value may be needed after its own run of expressions.

@@ -1,6 +1,6 @@
 //! Beyond the document: pictures compared, widths, schedulers, memories of today.
 
-use super::{Case, Lab, digits, document_spec, psnr_db, small_jaw};
+use super::lab::{Case, Lab, digits, document_spec, psnr_db, small_jaw};
 use crate::chart::Chart;
 use crate::report::{Report, Table};
 use crate::spec::{
@@ -608,7 +608,8 @@ pub fn dram(lab: &Lab) -> Result<Report, Error> {
 
 pub fn volumes(lab: &Lab) -> Result<Report, Error> {
     let jaw = small_jaw()?;
-    let mut volumes: Vec<(&VolumeStore, Vec<[f64; 2]>)> = vec![(&jaw, super::LINEAR_1000.to_vec())];
+    let mut volumes: Vec<(&VolumeStore, Vec<[f64; 2]>)> =
+        vec![(&jaw, super::lab::LINEAR_1000.to_vec())];
     volumes.extend(lab.volumes.iter().map(|(v, curve)| (v, curve.clone())));
     let variants: [(&str, Optimisation, Order, MemoryModel); 5] = [
         (

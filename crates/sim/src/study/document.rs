@@ -1,6 +1,8 @@
 //! The document's own experiments (chapter 9; sections 6.1 to 6.8 of the extraction).
 
-use super::{Case, LINEAR_0, LINEAR_1000, Lab, THRESHOLD_1300, digits, document_spec, small_jaw};
+use super::lab::{
+    Case, LINEAR_0, LINEAR_1000, Lab, THRESHOLD_1300, digits, document_spec, small_jaw,
+};
 use crate::chart::Chart;
 use crate::gray_png;
 use crate::host::transfers;

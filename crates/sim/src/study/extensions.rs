@@ -1,6 +1,6 @@
 //! What the document designs in its chapter 8: what each of it costs, and what it looks like.
 
-use super::{Case, Lab, digits, document_spec, small_jaw};
+use super::lab::{Case, Lab, digits, document_spec, small_jaw};
 use crate::Error;
 use crate::report::{Report, Table};
 use crate::spec::{

@@ -3,7 +3,7 @@
 use crate::{draw, jaw_spec, small_jaw, volume_of};
 use proptest::prelude::*;
 use strahl_sim::deformation::Deformation;
-use strahl_sim::frame::Fragment;
+use strahl_sim::polygons::Fragment;
 use strahl_sim::spec::{
     Axis, Bend, Leaping, Merge, Placed, Polygons, Projection, Shape, Spec, Widths,
 };

@@ -7,6 +7,7 @@
 
 mod elements;
 mod frames;
+mod in_parallel;
 mod jpeg_ls;
 mod pixels;
 mod rle;
@@ -19,6 +20,7 @@ use crate::error::{Error, ErrorKind};
 use crate::{Grid, Metadata, Modality, Rescale, Sample, SampleType, Samples, Volume};
 use dicom_dictionary_std::tags;
 use frames::{Frame, Image};
+use in_parallel::in_parallel;
 use pixels::Source;
 pub use series::SeriesSummary;
 use stack::Stack;
@@ -450,23 +452,6 @@ fn resample<T: Sample>(
         }
     }
     Ok(T::wrap(even))
-}
-
-/// Runs over all items, on all cores where threads are built in.
-///
-/// # Errors
-/// One of those that the items gave.
-fn in_parallel<I: Send>(
-    items: Vec<I>,
-    work: impl Fn(I) -> Result<(), Error> + Sync + Send,
-) -> Result<(), Error> {
-    #[cfg(feature = "threads")]
-    {
-        use rayon::prelude::*;
-        items.into_par_iter().try_for_each(work)
-    }
-    #[cfg(not(feature = "threads"))]
-    items.into_iter().try_for_each(work)
 }
 
 fn metadata(

@@ -17,11 +17,13 @@
 mod obj;
 mod ply;
 mod stl;
+mod surface;
 
 use super::{Bytes, Files};
 use crate::error::{Error, ErrorKind};
 use crate::mesh::Mesh;
 use glam::{DAffine3, DVec3};
+use surface::Surface;
 
 /// The space that the numbers of a mesh file are in, always millimetres.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,15 +43,6 @@ pub struct LoadedMesh {
     pub format: &'static str,
     /// What the user should know: the space that was assumed, what was left out.
     pub notes: Vec<String>,
-}
-
-/// What a reader hands over: numbers as they stand in the file.
-struct Surface {
-    mesh: Mesh,
-    format: &'static str,
-    /// The texts in which a space may be named.
-    remarks: Vec<String>,
-    notes: Vec<String>,
 }
 
 /// Reads the mesh file `name` of `files`. `space` goes before what the file says of its space.
@@ -173,31 +166,6 @@ fn kind(bytes: &[u8], name: &str) -> Result<Kind, Error> {
     }
 }
 
-/// Cuts a polygon into triangles that all have its first corner: right for convex ones.
-fn fan(corners: &[u32]) -> impl Iterator<Item = [u32; 3]> + '_ {
-    let first = corners.first().copied().unwrap_or(0);
-    let edges = corners.get(1..).unwrap_or_default();
-    edges.windows(2).map(move |edge| [first, edge[0], edge[1]])
-}
-
-/// More vertices than indices can name: no file of less than 48 GiB has them.
-fn too_many_vertices() -> Error {
-    Error::field(
-        "number of vertices",
-        format!("more than {}", u32::MAX),
-        "what a 32-bit index can name",
-    )
-}
-
-/// Says that polygons were cut, if any have more corners than a quadrangle.
-fn note_of_polygons(count: usize, notes: &mut Vec<String>) {
-    if count > 0 {
-        notes.push(format!(
-            "{count} polygons of more than four corners were cut into fans, which is right for convex ones"
-        ));
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -214,13 +182,5 @@ mod tests {
         for none in ["", "SPACE", "COLORSPACE=LPS", "space", "SPACE LPS"] {
             assert_eq!(space(none), None, "{none}");
         }
-    }
-
-    #[test]
-    fn fans_have_two_triangles_less_than_corners() {
-        assert_eq!(fan(&[]).count(), 0);
-        assert_eq!(fan(&[1, 2]).count(), 0);
-        let triangles: Vec<_> = fan(&[9, 1, 2, 3]).collect();
-        assert_eq!(triangles, [[9, 1, 2], [9, 2, 3]]);
     }
 }

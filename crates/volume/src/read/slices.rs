@@ -18,28 +18,14 @@ pub(crate) fn read_one(input: &Input, options: &ReadOptions) -> Result<Loaded, E
     Ok(loaded)
 }
 
-/// The volume that the TIFF or PNG files `pictures` of a folder make; `others` lie beside them.
-pub(crate) fn read_pictures(
-    name: &str,
-    files: &dyn Files,
-    pictures: Vec<String>,
-    others: &[String],
-    options: &ReadOptions,
-) -> Result<Loaded, Error> {
-    let mut loaded = match pictures.as_slice() {
-        [only] => super::read_file(only, files, options)?,
-        _ => sequence(name, files, pictures, options)?,
-    };
-    if !others.is_empty() {
-        loaded.notes.push(format!(
-            "left out what is no TIFF or PNG: {}",
-            examples(others)
-        ));
-    }
-    Ok(loaded)
+/// The note that `others` beside the pictures of a folder were left out.
+pub(crate) fn note_of_others(others: &[String]) -> Option<String> {
+    let what = "left out what is no TIFF or PNG";
+    (!others.is_empty()).then(|| format!("{what}: {}", examples(others)))
 }
 
-fn sequence(
+/// The volume that the TIFF or PNG files `pictures` of a folder make.
+pub(crate) fn read_pictures(
     name: &str,
     files: &dyn Files,
     names: Vec<String>,
@@ -117,7 +103,7 @@ fn slice(name: &str, files: &dyn Files) -> Result<Slice, Error> {
             })
         }
         #[cfg(not(feature = "tiff"))]
-        Some(Kind::Tiff) => Err(super::not_built_in("TIFF", "tiff")),
+        Some(Kind::Tiff) => Err(Error::not_built_in("TIFF", "tiff")),
         _ => Ok(png::read(&*bytes)?.into()),
     }
 }

@@ -5,15 +5,16 @@
 
 use super::block::{self, Encoding};
 use super::sniff::{self, Kind};
-use super::{Bytes, Input, Loaded, ReadOptions, read_kind, read_unknown};
+use super::{Bytes, Input, Loaded};
 use crate::error::{Error, ErrorKind};
 use std::io::{self, Read};
 use std::sync::Mutex;
 
+/// Reads what is in a packed file: `read_kind` is told the kind of the unpacked bytes, if they say it.
 pub(crate) fn read(
     input: &Input,
     encoding: Encoding,
-    options: &ReadOptions,
+    read_kind: &dyn Fn(Option<Kind>, &Input) -> Result<Loaded, Error>,
 ) -> Result<Loaded, Error> {
     let unpacked = Unpacked::new(input.bytes, encoding)?;
     let lower = input.name.to_ascii_lowercase();
@@ -37,8 +38,7 @@ pub(crate) fn read(
             }
             .into())
         }
-        Some(kind) => read_kind(kind, &input, options),
-        None => read_unknown(&input, options),
+        kind => read_kind(kind, &input),
     }
 }
 

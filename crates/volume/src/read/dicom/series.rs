@@ -2,9 +2,9 @@
 
 use super::elements::{self, plain_text};
 use super::frames::Image;
-use super::in_parallel;
+use super::in_parallel::in_parallel;
 use crate::error::{Error, ErrorKind};
-use crate::read::Files;
+use crate::read::{Bytes, Files};
 use dicom_dictionary_std::tags;
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -49,7 +49,7 @@ enum Scanned {
 }
 
 /// Reads the elements of one file. `None`: no pixels.
-pub(super) fn image(name: &str, bytes: &dyn super::Bytes) -> (Option<Image>, Result<(), Error>) {
+pub(super) fn image(name: &str, bytes: &dyn Bytes) -> (Option<Image>, Result<(), Error>) {
     let (elements, result) = elements::read(bytes);
     let image = elements.pixels.map(|pixels| Image {
         name: name.to_owned(),

@@ -8,7 +8,7 @@
 //! | `# …`          | a comment; 3D Slicer puts `SPACE=LPS` there                                |
 //! | `…\`           | goes on in the next line                                                   |
 
-use super::{Surface, fan, note_of_polygons, too_many_vertices};
+use super::surface::{Surface, fan, note_of_polygons, too_many_vertices};
 use crate::error::Error;
 use crate::mesh::Mesh;
 use std::collections::HashMap;

@@ -4,7 +4,7 @@
 //! `vertex_indices` or `vertex_index`. The crate takes a header at its word; so the least number of
 //! bytes that the elements can take is compared with the file first, and faces come in portions.
 
-use super::{Surface, fan, note_of_polygons};
+use super::surface::{Surface, fan, note_of_polygons};
 use crate::error::{Error, ErrorKind};
 use crate::mesh::Mesh;
 use ply_rs_bw::parser::{ParseError, Parser, Reader};

@@ -9,7 +9,7 @@
 //! Corners of the same position become one vertex, so that a surface has smooth normals. The normals
 //! of the file are left alone: they repeat what the order of the corners says, or are 0.
 
-use super::Surface;
+use super::surface::{Surface, too_many_vertices};
 use crate::error::{Error, ErrorKind};
 use crate::mesh::Mesh;
 use std::collections::HashMap;
@@ -165,7 +165,7 @@ impl Corners {
     fn add(&mut self, position: [f32; 3]) -> Result<(), Error> {
         // −0 is where 0 is.
         let position = position.map(|c| c + 0.0);
-        let next = u32::try_from(self.positions.len()).map_err(|_| super::too_many_vertices())?;
+        let next = u32::try_from(self.positions.len()).map_err(|_| too_many_vertices())?;
         let vertex = *self
             .vertex_at
             .entry(position.map(f32::to_bits))

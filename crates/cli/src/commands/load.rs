@@ -1,0 +1,16 @@
+//! Reading a volume.
+
+use crate::args;
+use crate::flags::ReadFlags;
+use crate::progress::Progress;
+use anyhow::Result;
+use std::path::PathBuf;
+use strahl::volume::read::Loaded;
+
+/// Reads a volume with progress; its notes are left to the caller.
+pub fn load(paths: &[PathBuf], flags: &ReadFlags, quiet: bool) -> Result<Loaded> {
+    let options = args::read_options(flags)?;
+    let progress = Progress::new("reading", quiet);
+    let loaded = strahl::load_with_progress(paths, &options, &|part| progress.update(part));
+    Ok(loaded?)
+}

@@ -1,0 +1,94 @@
+//! What a reader may see: the bytes of files, by name.
+
+use std::collections::BTreeMap;
+use std::io;
+
+/// The bytes of one file, read by position, so that samples go straight to where they stay.
+pub trait Bytes: Send + Sync {
+    /// Number of bytes.
+    fn len(&self) -> u64;
+
+    /// Whether there is no byte.
+    fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Fills `into` from `offset` on.
+    ///
+    /// # Errors
+    /// `UnexpectedEof` if the file ends before, or what the system says.
+    fn read_at(&self, offset: u64, into: &mut [u8]) -> io::Result<()>;
+}
+
+impl Bytes for [u8] {
+    fn len(&self) -> u64 {
+        self.len() as u64
+    }
+
+    fn read_at(&self, offset: u64, into: &mut [u8]) -> io::Result<()> {
+        let source = usize::try_from(offset)
+            .ok()
+            .and_then(|start| self.get(start..start.checked_add(into.len())?))
+            .ok_or(io::ErrorKind::UnexpectedEof)?;
+        into.copy_from_slice(source);
+        Ok(())
+    }
+}
+
+impl<B: Bytes + ?Sized> Bytes for &B {
+    fn len(&self) -> u64 {
+        (**self).len()
+    }
+
+    fn read_at(&self, offset: u64, into: &mut [u8]) -> io::Result<()> {
+        (**self).read_at(offset, into)
+    }
+}
+
+impl Bytes for Vec<u8> {
+    fn len(&self) -> u64 {
+        self.as_slice().len() as u64
+    }
+
+    fn read_at(&self, offset: u64, into: &mut [u8]) -> io::Result<()> {
+        self.as_slice().read_at(offset, into)
+    }
+}
+
+/// A folder, or a list of files, as a reader sees it: names without folders, and their bytes.
+pub trait Files: Sync {
+    /// The names, sorted.
+    fn names(&self) -> Vec<String>;
+
+    /// Opens a file by name.
+    ///
+    /// # Errors
+    /// `NotFound` for an unknown name, or what the system says.
+    fn open(&self, name: &str) -> io::Result<Box<dyn Bytes + '_>>;
+}
+
+/// Files that are already in memory.
+pub type MemoryFiles = BTreeMap<String, Vec<u8>>;
+
+impl Files for MemoryFiles {
+    fn names(&self) -> Vec<String> {
+        self.keys().cloned().collect()
+    }
+
+    fn open(&self, name: &str) -> io::Result<Box<dyn Bytes + '_>> {
+        match self.get(name) {
+            Some(bytes) => Ok(Box::new(bytes.as_slice())),
+            None => Err(io::ErrorKind::NotFound.into()),
+        }
+    }
+}
+
+/// What every reader gets: the file, and its siblings for headers that name other files.
+pub(crate) struct Input<'a> {
+    /// The file's name, without folders.
+    pub(crate) name: &'a str,
+    /// Its bytes (unpacked, if the whole file was packed).
+    pub(crate) bytes: &'a dyn Bytes,
+    /// The files beside it.
+    pub(crate) files: &'a dyn Files,
+}
