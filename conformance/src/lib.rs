@@ -17,7 +17,7 @@
 //! let volume = Phantom::Shells.volume([16; 3])?;
 //! let scene = Scene { size: Some([8, 6]), ..Scene::default() };
 //! let plan = resolve(&scene, &volume.header(), None)?;
-//! let bounds = truth::bounds(&plan, &truth::Voxels::new(&volume, plan.reconstruct));
+//! let bounds = truth::bounds(&plan, &truth::Voxels::new(&volume, plan.field().reconstruct));
 //! for renderer in renderers() {
 //!     let image = (renderer.draw)(&volume, &plan);
 //!     for (pixel, bounds) in image.pixels().iter().zip(&bounds) {

@@ -20,8 +20,8 @@ pub use range::{Bounds, Range};
 
 use glam::DVec3;
 use strahl_scene::plan::{
-    Classify, ClipShape, Composite, Compositing, Fetch, Gradient, GradientInput, GradientMethod,
-    Illuminate, Jitter, Plan, PlanLight, Projection, Reconstruct, Sampling, Shade,
+    Classify, ClipShape, Composite, Compositing, Fetch, GradientInput, GradientMethod, Illuminate,
+    Jitter, Plan, PlanLight, Projection, Reconstruct, Sampling, Shade,
 };
 use surface::{Lighting, classify, illuminate, opacity_of_length};
 
@@ -39,7 +39,7 @@ pub fn bounds(plan: &Plan, field: &dyn Field) -> Vec<Bounds> {
 /// Whether the truth has everything that `plan` asks for. What it does not have is compared between
 /// renderers, and function by function, only.
 pub fn covers(plan: &Plan) -> bool {
-    let lit_well = match plan.shade {
+    let lit_well = match plan.technique().shade {
         Shade::Unlit => true,
         Shade::Lit {
             illuminate,
@@ -49,27 +49,24 @@ pub fn covers(plan: &Plan) -> bool {
         Shade::GradientOpacity { .. } => false,
     };
     let projection = matches!(
-        plan.composite,
+        plan.technique().composite,
         Composite::Mip | Composite::MinIp | Composite::Average
     );
-    plan.objects.len() == 1
+    plan.layers.len() == 1
         && plan.meshes.is_empty()
         && plan.modules.is_empty()
-        && plan.fetch == Fetch::Stored
+        && plan.field().fetch == Fetch::Stored
         && plan.lattice.frames == 1
         && plan.sampling == Sampling::Regular
         && matches!(plan.lattice.jitter, Jitter::Centre | Jitter::Hash(_))
-        && plan.reconstruct != Reconstruct::BSplineInterpolating
-        && plan.classify == Classify::Table
-        && plan.gradient
-            == (Gradient {
-                method: GradientMethod::Central,
-                input: GradientInput::Value,
-            })
+        && plan.field().reconstruct != Reconstruct::BSplineInterpolating
+        && plan.technique().classify == Classify::Table
+        && plan.field().gradient == GradientMethod::Central
+        && plan.technique().gradient_input == GradientInput::Value
         && lit_well
-        && !(projection && plan.shade != Shade::Unlit)
+        && !(projection && plan.technique().shade != Shade::Unlit)
         && !matches!(
-            plan.composite,
+            plan.technique().composite,
             Composite::Gmip { .. } | Composite::Mida { .. } | Composite::Debug(_)
         )
         && !(plan.lights.iter()).any(|light| matches!(light, PlanLight::Point { .. }))
@@ -173,7 +170,7 @@ impl<'p> Line<'p> {
     fn new(plan: &'p Plan, field: &'p dyn Field, rounded: bool, x: u32, y: u32) -> Line<'p> {
         let (origin, direction) = ray(plan, x, y);
         let [t_entry, t_exit] = seen(plan, origin, direction);
-        let dims = plan.objects[0].grid.dims().map(|n| n as f64);
+        let dims = plan.field().grid.dims().map(|n| n as f64);
         Line {
             plan,
             field,
@@ -196,7 +193,8 @@ impl<'p> Line<'p> {
     fn place(&self, s: f64) -> DVec3 {
         let t = self.t_entry + s * self.plan.lattice.step_mm;
         let world = self.origin + t * self.direction;
-        self.plan.objects[0]
+        self.plan
+            .field()
             .grid
             .voxel_from_world()
             .transform_point3(world)
@@ -248,7 +246,7 @@ impl<'p> Line<'p> {
 
     /// Whether the sample clips keep a place in voxel space.
     fn kept(&self, place: DVec3) -> Answer {
-        let grid = &self.plan.objects[0].grid;
+        let grid = &self.plan.field().grid;
         let world = grid.world_from_voxel().transform_point3(place);
         let mut kept = Answer::Yes;
         for clip in &self.plan.sample_clips {
@@ -313,7 +311,7 @@ impl<'p> Line<'p> {
 
     fn pixel(&self) -> Bounds {
         let samples = self.samples();
-        match self.plan.composite {
+        match self.plan.technique().composite {
             Composite::EmissionAbsorption {
                 stop_at_transmittance,
             } => self.emission_absorption(&samples, f64::from(stop_at_transmittance)),
@@ -327,7 +325,7 @@ impl<'p> Line<'p> {
     }
 
     fn emission_absorption(&self, samples: &[Sample], stop: f64) -> Bounds {
-        let table = &self.plan.objects[0].table;
+        let table = &self.plan.technique().table;
         let exponent = self.plan.lattice.step_mm / f64::from(table.reference_mm());
         let mut layers = Vec::new();
         // What still passes after each sample decides where the ray ends.
@@ -429,7 +427,7 @@ impl<'p> Line<'p> {
 
     /// A value of the ray as a pixel.
     fn classified(&self, value: Range) -> Bounds {
-        let surface = classify(&self.plan.objects[0].table, value, self.rounded);
+        let surface = classify(&self.plan.technique().table, value, self.rounded);
         self.background().under(surface.opacity, surface.colour)
     }
 
@@ -493,7 +491,7 @@ impl<'p> Line<'p> {
                 if value.exists == Answer::No {
                     return None;
                 }
-                let surface = classify(&self.plan.objects[0].table, value.range, self.rounded);
+                let surface = classify(&self.plan.technique().table, value.range, self.rounded);
                 let colour = self.light(place).colour(surface.colour);
                 Some(self.background().under(Range::exactly(1.0), colour))
             };
@@ -509,7 +507,7 @@ impl<'p> Line<'p> {
 
     /// The light at a place in voxel space.
     fn light(&self, place: DVec3) -> Lighting {
-        if self.plan.shade == strahl_scene::plan::Shade::Unlit {
+        if self.plan.technique().shade == strahl_scene::plan::Shade::Unlit {
             return Lighting::UNLIT;
         }
         let mut per_voxel = DVec3::ZERO;
@@ -532,7 +530,7 @@ impl<'p> Line<'p> {
             return Lighting::UNLIT;
         }
         // The chain rule: world gradient = (voxel_from_world)ᵀ · voxel gradient.
-        let map = self.plan.objects[0].grid.voxel_from_world().matrix3;
+        let map = self.plan.field().grid.voxel_from_world().matrix3;
         let axes = [map.x_axis, map.y_axis, map.z_axis];
         let gradient = DVec3::from_array(axes.map(|axis| axis.dot(per_voxel)));
         let doubt = DVec3::from_array(axes.map(|axis| {
@@ -578,7 +576,7 @@ fn refine(
 /// Where a ray enters and leaves what is drawn: the half-spaces of the extent's six faces and of the
 /// clip planes, one after the other, in world space (M. Cyrus and J. Beck, 1978).
 fn seen(plan: &Plan, origin: DVec3, direction: DVec3) -> [f64; 2] {
-    let grid = &plan.objects[0].grid;
+    let grid = &plan.field().grid;
     let map = grid.voxel_from_world();
     let mut half_spaces: Vec<(DVec3, f64)> = Vec::new();
     for axis in 0..3 {

@@ -58,7 +58,7 @@ fn check(plan: &Plan) {
     };
     assert!(half > 0.0 && half.is_finite());
     assert!(plan.lattice.step_mm > 0.0 && plan.lattice.step_mm.is_finite());
-    let table = &plan.objects[0].table;
+    let table = &plan.technique().table;
     let [lo, hi] = table.domain();
     assert!(lo.is_finite() && hi.is_finite() && lo < hi);
     assert!(table.reference_mm() > 0.0 && table.reference_mm().is_finite());

@@ -116,7 +116,7 @@ struct Parts {
 impl Parts {
     /// `None` if nothing is lit.
     fn of(plan: &Plan) -> Option<Parts> {
-        match plan.shade {
+        match plan.technique().shade {
             Shade::Lit {
                 ambient,
                 illuminate:

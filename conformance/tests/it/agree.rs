@@ -13,7 +13,7 @@ fn brightest(plan: &Plan) -> f64 {
             diffuse, specular, ..
         },
         ..
-    } = plan.shade
+    } = plan.technique().shade
     else {
         return 1.0;
     };
@@ -32,7 +32,7 @@ fn brightest(plan: &Plan) -> f64 {
 /// The plan as a message shows it: without the many entries of its table.
 fn without_table(plan: &Plan) -> Plan {
     let mut plan = plan.clone();
-    plan.objects[0].table = TransferTable::new([0.0, 1.0], 1.0, vec![[0.0; 4]; 2]);
+    plan.technique_mut().table = TransferTable::new([0.0, 1.0], 1.0, vec![[0.0; 4]; 2]);
     plan
 }
 
@@ -46,7 +46,10 @@ fn every_pixel_of_a_random_scene_lies_within_its_bounds() {
         let mut random = Random::new(seed);
         let volume = random.volume();
         let plan = random.plan(&volume, [9, 7]);
-        let bounds = truth::bounds(&plan, &truth::Voxels::new(&volume, plan.reconstruct));
+        let bounds = truth::bounds(
+            &plan,
+            &truth::Voxels::new(&volume, plan.field().reconstruct),
+        );
         for bounds in &bounds {
             pixels += 1;
             narrow += usize::from(bounds.doubt() < 1e-3);

@@ -3,7 +3,7 @@
 use crate::gpu::device;
 use crate::random::{Random, seeds};
 use crate::simple::{cut_box, of_samples, parallel, white};
-use crate::variants::{any_variant, pair, ramp, two, wall};
+use crate::variants::{any_variant, change_all, pair, ramp, two, wall};
 use glam::{DAffine3, DMat3, DVec3};
 use std::sync::Arc;
 use strahl_conformance::agreement::agreement;
@@ -103,19 +103,27 @@ fn several_volumes_meshes_and_masks_look_the_same() {
     let mut plan = two(&a, &b);
     (plan.width, plan.height) = (61, 50);
     both_draw("two volumes", &data, &plan);
-    plan.composite = Composite::BackToFront;
+    change_all(&mut plan, |technique| {
+        technique.composite = Composite::BackToFront
+    });
     both_draw("two volumes from the back", &data, &plan);
-    plan.objects.push(plan.objects[0].clone());
-    plan.objects[2].grid = plan.objects[1].grid;
-    plan.objects[2].volume = 1;
-    plan.objects[2].table = ramp();
+    let field = Field {
+        volume: 1,
+        grid: plan.field_of(1).grid,
+        ..*plan.field()
+    };
+    let technique = Technique {
+        table: ramp(),
+        ..plan.technique().clone()
+    };
+    plan.add_layer(field, technique);
     both_draw("three objects of two volumes", &data, &plan);
     plan.sample_clips = vec![SampleClip {
         shape: ClipShape::Mask {
             mask: 0,
             threshold: 350.0,
         },
-        objects: 0b101,
+        layers: 0b101,
         ..cut_box(DAffine3::from_scale(DVec3::splat(1.0 / 20.0)), true)
     }];
     both_draw("a mask over two of three", &data, &plan);
@@ -156,7 +164,7 @@ fn hits_are_as_far_away() {
     let mut plan = crate::simple::plan(&a, parallel(DVec3::Y, 60.0, 14.0), white(0.0, 1.0));
     (plan.width, plan.height) = (40, 30);
     let [low, high] = a.statistics().range;
-    plan.composite = Composite::FirstHit {
+    plan.technique_mut().composite = Composite::FirstHit {
         threshold: 0.5 * (low + high),
     };
     plan.with_depth = true;
@@ -178,8 +186,10 @@ fn random_plans_look_the_same() {
         }
         let mut plan = any_variant(&mut random, &volume);
         // In constant parts the gradient of a cubic is what rounding leaves, and so is the normal.
-        if matches!(plan.shade, Shade::Lit { .. }) && plan.reconstruct != Reconstruct::Trilinear {
-            plan.shade = Shade::Unlit;
+        if matches!(plan.technique().shade, Shade::Lit { .. })
+            && plan.field().reconstruct != Reconstruct::Trilinear
+        {
+            plan.technique_mut().shade = Shade::Unlit;
         }
         let cpu = match strahl_cpu::Renderer::new(&volume).render(
             &plan,
@@ -197,12 +207,12 @@ fn random_plans_look_the_same() {
         if d.far > 0.02 {
             failed.push(format!(
                 "seed {seed}: {d:?} {:?} {:?} {:?} {:?} {:?} {:?}",
-                plan.composite,
-                plan.reconstruct,
-                plan.classify,
-                plan.fetch,
-                plan.gradient,
-                plan.shade
+                plan.technique().composite,
+                plan.field().reconstruct,
+                plan.technique().classify,
+                plan.field().fetch,
+                plan.field().gradient,
+                plan.technique().shade
             ));
         }
     }

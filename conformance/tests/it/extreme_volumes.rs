@@ -82,7 +82,7 @@ fn what_is_not_finite_is_not_there() {
         let volume = f64s([3; 3], vec![missing; 27]);
         for composite in COMPOSITES {
             let mut plan = plan(&volume, parallel(DVec3::Y, 9.0, 1.0), grey(-1.0, 1.0));
-            plan.composite = composite;
+            plan.technique_mut().composite = composite;
             plan.background = [0.25, 0.5, 0.75, 1.0];
             for (name, _, _, pixel) in draw(&volume, &plan) {
                 assert_eq!(pixel, plan.background, "{name}, {missing}, {composite:?}");
@@ -94,7 +94,7 @@ fn what_is_not_finite_is_not_there() {
         let volume = f64s([5; 3], values);
         for composite in COMPOSITES {
             let mut plan = plan(&volume, parallel(DVec3::Y, 9.0, 0.9), grey(-1.0, 1.0));
-            plan.composite = composite;
+            plan.technique_mut().composite = composite;
             for (name, _, _, pixel) in draw(&volume, &plan) {
                 let found = value_shown(pixel, -1.0, 1.0);
                 assert!((found - 0.5).abs() < 1e-6, "{name}, {composite:?}: {found}");
@@ -111,7 +111,7 @@ fn large_whole_numbers_keep_what_single_precision_holds() {
         Samples::U32(vec![u32::MAX; 8]),
     );
     let mut plan = plan(&volume, parallel(DVec3::Y, 9.0, 0.5), grey(0.0, largest));
-    plan.composite = Composite::Mip;
+    plan.technique_mut().composite = Composite::Mip;
     for (name, _, _, pixel) in draw(&volume, &plan) {
         assert_eq!(pixel, [1.0; 4], "{name}");
     }
@@ -122,7 +122,7 @@ fn a_flat_volume_is_lit_as_if_unlit() {
     let volume = of_samples(centred([4; 3], DMat3::IDENTITY), Samples::U8(vec![9; 64]));
     let mut flat = plan(&volume, parallel(DVec3::Y, 9.0, 1.0), grey(0.0, 18.0));
     let unlit = draw(&volume, &flat);
-    flat.shade = simple::blinn_phong(0.1, 0.5, 0.9, 3.0);
+    flat.technique_mut().shade = simple::blinn_phong(0.1, 0.5, 0.9, 3.0);
     assert_eq!(unlit, draw(&volume, &flat));
     assert_eq!(unlit.len(), renderers().len() * 48);
 }

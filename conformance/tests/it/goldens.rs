@@ -53,7 +53,7 @@ fn every_scene_lies_within_the_bounds_of_the_truth() {
         let (volume, mut plan) = prepare(name, text).unwrap();
         // Brute force over every sample: fewer rays do.
         (plan.width, plan.height) = (plan.width / 4, plan.height / 4);
-        let field = truth::Voxels::new(&volume, plan.reconstruct);
+        let field = truth::Voxels::new(&volume, plan.field().reconstruct);
         let bounds = truth::bounds(&plan, &field);
         for renderer in renderers() {
             let image = (renderer.draw)(&volume, &plan);

@@ -4,7 +4,7 @@
 
 use crate::random::{Random, seeds};
 use crate::simple::{cut_box, of_samples, parallel};
-use crate::variants::{any_variant, blobs, pair, ramp, two, wall};
+use crate::variants::{any_variant, blobs, change_all, pair, ramp, two, wall};
 use glam::{DAffine3, DMat3, DVec3};
 use std::sync::OnceLock;
 use strahl_conformance::agreement::agreement;
@@ -228,19 +228,27 @@ fn several_volumes_meshes_and_masks_look_the_same() {
     let mut plan = two(&a, &b);
     (plan.width, plan.height) = (120, 100);
     both_draw("two volumes", &data, &plan, None);
-    plan.composite = Composite::BackToFront;
+    change_all(&mut plan, |technique| {
+        technique.composite = Composite::BackToFront
+    });
     both_draw("two volumes from the back", &data, &plan, None);
-    plan.objects.push(plan.objects[0].clone());
-    plan.objects[2].grid = plan.objects[1].grid;
-    plan.objects[2].volume = 1;
-    plan.objects[2].table = ramp();
+    let field = Field {
+        volume: 1,
+        grid: plan.field_of(1).grid,
+        ..*plan.field()
+    };
+    let technique = Technique {
+        table: ramp(),
+        ..plan.technique().clone()
+    };
+    plan.add_layer(field, technique);
     both_draw("three objects of two volumes", &data, &plan, None);
     plan.sample_clips = vec![SampleClip {
         shape: ClipShape::Mask {
             mask: 0,
             threshold: 350.0,
         },
-        objects: 0b101,
+        layers: 0b101,
         ..cut_box(DAffine3::from_scale(DVec3::splat(1.0 / 20.0)), true)
     }];
     both_draw("a mask over two of three", &data, &plan, None);
@@ -292,7 +300,7 @@ fn a_volume_beyond_the_largest_texture_looks_the_same() {
         ramp(),
     );
     (plan.width, plan.height) = (100, 60);
-    plan.shade = crate::simple::blinn_phong(0.3, 0.6, 0.3, 20.0);
+    plan.technique_mut().shade = crate::simple::blinn_phong(0.3, 0.6, 0.3, 20.0);
     plan.lights = vec![PlanLight::Head { radiance: [1.0; 3] }];
     for most in [96, 128] {
         both_draw(
@@ -322,7 +330,7 @@ fn hits_are_as_far_away() {
         crate::simple::grey(0.0, 1.0),
     );
     (plan.width, plan.height) = (60, 50);
-    plan.composite = Composite::FirstHit { threshold: 8.0 };
+    plan.technique_mut().composite = Composite::FirstHit { threshold: 8.0 };
     plan.with_depth = true;
     both_draw("a sphere", &Datasets::from(&ball), &plan, None);
 }
@@ -347,13 +355,15 @@ fn random_plans_look_the_same() {
         let mut plan = any_variant(&mut random, &volume);
         (plan.width, plan.height) = (24, 20);
         // 64 times 64 reads per gradient take a software adapter minutes to compile.
-        plan.fetch = Fetch::Stored;
-        if plan.reconstruct == Reconstruct::CatmullRom {
-            plan.gradient.method = GradientMethod::Central;
+        plan.field_mut().fetch = Fetch::Stored;
+        if plan.field().reconstruct == Reconstruct::CatmullRom {
+            plan.field_mut().gradient = GradientMethod::Central;
         }
         // In constant parts the gradient of a cubic is what rounding leaves, and so is the normal.
-        if matches!(plan.shade, Shade::Lit { .. }) && plan.reconstruct != Reconstruct::Trilinear {
-            plan.shade = Shade::Unlit;
+        if matches!(plan.technique().shade, Shade::Lit { .. })
+            && plan.field().reconstruct != Reconstruct::Trilinear
+        {
+            plan.technique_mut().shade = Shade::Unlit;
         }
         let cpu = match strahl_cpu::Renderer::new(&volume).render(
             &plan,
@@ -377,7 +387,12 @@ fn random_plans_look_the_same() {
     for (seed, psnr, far, most, plan) in &failed {
         println!(
             "seed {seed}: {psnr:.1} dB, {far:.3} far, at most {most:.3}: {:?} {:?} {:?} {:?} {:?} {:?}",
-            plan.composite, plan.reconstruct, plan.classify, plan.fetch, plan.gradient, plan.shade
+            plan.technique().composite,
+            plan.field().reconstruct,
+            plan.technique().classify,
+            plan.field().fetch,
+            plan.field().gradient,
+            plan.technique().shade
         );
     }
     assert!(
@@ -401,16 +416,16 @@ fn a_pipeline_is_made_in_the_background_and_found_again() {
     }
     let program = renderer.program(&plan).unwrap();
     // Another value is no other program; another function is.
-    plan.composite = Composite::EmissionAbsorption {
+    plan.technique_mut().composite = Composite::EmissionAbsorption {
         stop_at_transmittance: 0.25,
     };
-    plan.objects[0].table = crate::simple::white(0.5, 1.0);
+    plan.technique_mut().table = crate::simple::white(0.5, 1.0);
     assert!(renderer.is_ready(&plan).unwrap());
     assert!(std::sync::Arc::ptr_eq(
         &program,
         &renderer.program(&plan).unwrap()
     ));
-    plan.composite = Composite::Mip;
+    plan.technique_mut().composite = Composite::Mip;
     assert!(!renderer.is_ready(&plan).unwrap());
     assert!(renderer.render(&plan, no_progress).is_ok());
     assert!(renderer.is_ready(&plan).unwrap());

@@ -3,7 +3,7 @@
 use crate::gpu::device;
 use crate::random::{Random, seeds};
 use crate::simple::cut_box;
-use crate::variants::{any_variant, pair, ramp, two, wall};
+use crate::variants::{any_variant, change_all, pair, ramp, two, wall};
 use glam::{DAffine3, DVec3};
 use std::ops::ControlFlow::Continue;
 use strahl_conformance::agreement::agreement;
@@ -11,7 +11,9 @@ use strahl_conformance::gallery::{GALLERY, scene};
 use strahl_evaluate::Evaluator;
 use strahl_gpu::{Renderer, no_progress};
 use strahl_graph::{Compiler, Graph, standard};
-use strahl_scene::plan::{Composite, Illuminate, Plan, PlanMesh, SampleClip, Shade};
+use strahl_scene::plan::{
+    Composite, Field, Illuminate, Plan, PlanMesh, SampleClip, Shade, Technique,
+};
 use strahl_scene::{Image, Scene, resolve};
 use strahl_volume::phantom::Phantom;
 use strahl_volume::{Datasets, Samples};
@@ -47,7 +49,7 @@ fn the_standard_graph_is_the_picture_of_the_settings() {
             None,
         )
         .unwrap();
-        if matches!(plan.composite, Composite::Debug(_)) {
+        if matches!(plan.technique().composite, Composite::Debug(_)) {
             assert!(standard(&plan).is_err());
             continue;
         }
@@ -108,7 +110,11 @@ fn random_settings_are_their_standard_graph() {
         if Evaluator::new(&volume).functions(&plan).is_err() {
             continue;
         }
-        let what = format!("seed {seed}: {:?} {:?}", plan.composite, plan.shade);
+        let what = format!(
+            "seed {seed}: {:?} {:?}",
+            plan.technique().composite,
+            plan.technique().shade
+        );
         assert_same(&what, &twice(&(&volume).into(), &plan));
         drawn += 1;
     }
@@ -128,21 +134,31 @@ fn several_objects_are_their_standard_graph() {
     let mut plan = two(&a, &b);
     (plan.width, plan.height) = (61, 50);
     assert_same("two", &twice(&data, &plan));
-    plan.composite = Composite::BackToFront;
+    change_all(&mut plan, |technique| {
+        technique.composite = Composite::BackToFront
+    });
     assert_same("from the back", &twice(&data, &plan));
-    plan.objects.push(plan.objects[0].clone());
-    plan.objects[2].grid = plan.objects[1].grid;
-    plan.objects[2].volume = 1;
-    plan.objects[2].table = ramp();
-    assert_same("three", &twice(&data, &plan));
-    plan.composite = Composite::EmissionAbsorption {
-        stop_at_transmittance: 0.01,
+    let field = Field {
+        volume: 1,
+        grid: plan.field_of(1).grid,
+        ..*plan.field()
     };
+    let technique = Technique {
+        table: ramp(),
+        ..plan.technique().clone()
+    };
+    plan.add_layer(field, technique);
+    assert_same("three", &twice(&data, &plan));
+    change_all(&mut plan, |technique| {
+        technique.composite = Composite::EmissionAbsorption {
+            stop_at_transmittance: 0.01,
+        };
+    });
     plan.sample_clips = vec![SampleClip {
-        objects: 0b101,
+        layers: 0b101,
         ..cut_box(DAffine3::from_scale(DVec3::splat(1.0 / 9.0)), true)
     }];
-    plan.shade = Shade::Lit {
+    plan.technique_mut().shade = Shade::Lit {
         illuminate: Illuminate::BlinnPhong {
             diffuse: 0.6,
             specular: 0.4,

@@ -13,7 +13,7 @@ use strahl_volume::{Grid, Metadata, Volume};
 fn moved(plan: &Plan, grid: &Grid, moved: DMat3, length: f64) -> Plan {
     let direction = |v: DVec3| moved * v / length;
     let mut plan = plan.clone();
-    plan.objects[0].grid = *grid;
+    plan.field_mut().grid = *grid;
     let camera = &mut plan.camera;
     camera.eye_mm = moved * camera.eye_mm;
     camera.right = direction(camera.right);
@@ -35,9 +35,9 @@ fn moved(plan: &Plan, grid: &Grid, moved: DMat3, length: f64) -> Plan {
         clip.unit_from_world *= DAffine3::from_mat3(moved.inverse());
     }
     plan.lattice.step_mm *= length;
-    let table = &plan.objects[0].table;
+    let table = &plan.technique().table;
     let reference_mm = (f64::from(table.reference_mm()) * length) as f32;
-    plan.objects[0].table =
+    plan.technique_mut().table =
         TransferTable::new(table.domain(), reference_mm, table.entries().to_vec());
     plan
 }
@@ -56,7 +56,7 @@ fn check_same(seed: u64, by: DMat3, length: f64, exactly: bool) {
     let plan = random.plan(&volume, [9, 7]);
     let other_volume = moved_volume(&volume, by);
     let other = moved(&plan, other_volume.grid(), by, length);
-    let field = truth::Voxels::new(&volume, plan.reconstruct);
+    let field = truth::Voxels::new(&volume, plan.field().reconstruct);
     let bounds = truth::bounds(&plan, &field);
     for renderer in renderers() {
         let image = (renderer.draw)(&volume, &plan);
@@ -105,17 +105,18 @@ fn a_mirrored_volume_gives_a_mirrored_picture() {
     let table = TransferTable::new([-1.0, 2.0], 2.0, entries);
     let mut plan = simple::plan(&volume, simple::parallel(-DVec3::Y, 20.0, 4.0), table);
     plan.camera = simple::from_eye(plan.camera, 0.25);
-    plan.shade = simple::blinn_phong(0.2, 0.7, 0.3, 8.0);
+    plan.technique_mut().shade = simple::blinn_phong(0.2, 0.7, 0.3, 8.0);
     plan.lights = vec![PlanLight::Head { radiance: [1.0; 3] }];
     for composite in [
-        plan.composite,
+        plan.technique().composite,
         Composite::FirstHit { threshold: 0.4 },
         Composite::Mip,
         Composite::Average,
     ] {
-        plan.composite = composite;
+        plan.technique_mut().composite = composite;
         if matches!(composite, Composite::Mip | Composite::Average) {
-            (plan.shade, plan.lights) = (Shade::Unlit, Vec::new());
+            plan.technique_mut().shade = Shade::Unlit;
+            plan.lights.clear();
         }
         for renderer in renderers() {
             let image = (renderer.draw)(&volume, &plan);

@@ -233,20 +233,31 @@ impl Random {
     /// Any rule of sampling that `plan` may have.
     pub fn sampling(&mut self, plan: &Plan) -> Sampling {
         let parts = self.pick(&[1, 2, 3, 8]);
-        if matches!(plan.composite, Composite::Mip | Composite::MinIp) && self.once_in(2) {
+        if matches!(
+            plan.technique().composite,
+            Composite::Mip | Composite::MinIp
+        ) && self.once_in(2)
+        {
             return Sampling::Refine { parts };
         }
-        if !matches!(plan.composite, Composite::EmissionAbsorption { .. }) {
+        if !matches!(
+            plan.technique().composite,
+            Composite::EmissionAbsorption { .. }
+        ) {
             return Sampling::Regular;
         }
         let curve = self.pick(&[Curve::Linear, Curve::Cubic]);
-        let of_table = plan.classify == Classify::Table && self.once_in(3);
+        let of_table = plan.technique().classify == Classify::Table && self.once_in(3);
         if of_table && self.once_in(2) {
             return Sampling::ByOpacity {
                 share: self.pick(&[0.01, 0.15, 1.0]),
             };
         }
-        match self.below(if plan.shade == Shade::Unlit { 3 } else { 2 }) {
+        match self.below(if plan.technique().shade == Shade::Unlit {
+            3
+        } else {
+            2
+        }) {
             _ if of_table => Sampling::Integrated,
             0 => Sampling::Refine { parts },
             1 => Sampling::Split { parts, curve },
@@ -296,7 +307,7 @@ impl Random {
             shape,
             unit_from_world,
             keep_inside: self.once_in(2),
-            objects: ALL_OBJECTS,
+            layers: ALL_LAYERS,
         }
     }
 
@@ -390,7 +401,7 @@ impl Random {
         ]);
         let table = self.table(range, reference_mm);
         let background = self.pick(&[[0.0; 4], [0.1, 0.2, 0.3, 1.0], [0.05, 0.0, 0.1, 0.5]]);
-        Plan {
+        let mut plan = Plan {
             width: size[0],
             height: size[1],
             lattice: Lattice {
@@ -398,14 +409,15 @@ impl Random {
                 jitter,
                 frames: 1,
             },
-            reconstruct,
-            shade,
             lights,
-            composite,
             ray_clips,
             sample_clips,
             background,
             ..simple::plan(volume, camera, table)
-        }
+        };
+        plan.field_mut().reconstruct = reconstruct;
+        let technique = plan.technique_mut();
+        (technique.shade, technique.composite) = (shade, composite);
+        plan
     }
 }

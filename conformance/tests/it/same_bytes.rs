@@ -5,7 +5,9 @@ use crate::simple;
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use std::path::PathBuf;
 use strahl_cpu::{InstructionSet, Options, Renderer, Stats, no_progress};
-use strahl_scene::plan::{Classify, ClipShape, Composite, Plan, SampleClip, Sampling, Shade};
+use strahl_scene::plan::{
+    ALL_LAYERS, Classify, ClipShape, Composite, Plan, SampleClip, Sampling, Shade,
+};
 use strahl_scene::{Method, Scene, Shading, ShadingModel, resolve};
 use strahl_volume::read::{MemoryFiles, ReadOptions, read_file};
 use strahl_volume::{Datasets, Metadata, Rescale, Samples, Volume};
@@ -42,7 +44,7 @@ fn without_own_loop(plan: &Plan) -> Plan {
             DVec3::splat(2.0),
         ),
         keep_inside: false,
-        objects: u32::MAX,
+        layers: ALL_LAYERS,
     });
     plan
 }
@@ -72,7 +74,7 @@ fn check<'v>(
                 "{what}, {options:?}: pixel {i} is {:?} instead of {:?}\n{:?}",
                 found[i].map(f32::from_bits),
                 expected[i].map(f32::from_bits),
-                plan.composite
+                plan.technique().composite
             );
         }
         assert_eq!(stats.lattice_points, plain.lattice_points, "{what}");
@@ -158,10 +160,11 @@ fn of_projections_with_ties() {
         };
         let volume = ties_and_peaks(&mut random, dims);
         let mut plan = random.plan(&volume, [19, 13]);
-        plan.composite = random.pick(&[Composite::Mip, Composite::MinIp]);
-        (plan.shade, plan.lights) = (Shade::Unlit, Vec::new());
+        plan.technique_mut().composite = random.pick(&[Composite::Mip, Composite::MinIp]);
+        plan.technique_mut().shade = Shade::Unlit;
+        plan.lights.clear();
         if random.once_in(2) {
-            plan.classify = Classify::GradientTable {
+            plan.technique_mut().classify = Classify::GradientTable {
                 low_per_mm: 0.1,
                 high_per_mm: 2.0,
             };
@@ -270,10 +273,16 @@ fn check_scan(name: &str) {
                 ..Scene::default()
             };
             let plan = resolve(&scene, &volume.header(), None).unwrap();
-            assert_eq!(plan.shade == Shade::Unlit, model == ShadingModel::Unlit);
+            assert_eq!(
+                plan.technique().shade == Shade::Unlit,
+                model == ShadingModel::Unlit
+            );
             let ways = [(7, 7, true), (2, 32, false), (2, 1, true)];
             let skipped = check(&format!("{name} {method:?}"), &volume, &plan, &ways);
-            if matches!(plan.composite, Composite::FirstHit { .. } | Composite::Mip) {
+            if matches!(
+                plan.technique().composite,
+                Composite::FirstHit { .. } | Composite::Mip
+            ) {
                 assert!(skipped > 0.05, "{name}, {method:?}: {skipped} skipped");
             }
         }

@@ -102,12 +102,27 @@ pub fn plan(volume: &Volume, camera: PlanCamera, table: TransferTable) -> Plan {
         width: 8,
         height: 6,
         camera,
-        objects: vec![PlanObject {
+        fields: vec![Field {
             volume: 0,
             grid: *volume.grid(),
             is_moved: false,
             rescale: volume.rescale(),
+            fetch: Fetch::Stored,
+            reconstruct: Reconstruct::Trilinear,
+            gradient: GradientMethod::Central,
+        }],
+        techniques: vec![Technique {
+            classify: Classify::Table,
             table,
+            gradient_input: GradientInput::Value,
+            shade: Shade::Unlit,
+            composite: Composite::EmissionAbsorption {
+                stop_at_transmittance: 0.0,
+            },
+        }],
+        layers: vec![Layer {
+            field: 0,
+            technique: 0,
         }],
         meshes: Vec::new(),
         lattice: Lattice {
@@ -116,18 +131,7 @@ pub fn plan(volume: &Volume, camera: PlanCamera, table: TransferTable) -> Plan {
             frames: 1,
         },
         sampling: Sampling::Regular,
-        fetch: Fetch::Stored,
-        reconstruct: Reconstruct::Trilinear,
-        classify: Classify::Table,
-        gradient: Gradient {
-            method: GradientMethod::Central,
-            input: GradientInput::Value,
-        },
-        shade: Shade::Unlit,
         lights: Vec::new(),
-        composite: Composite::EmissionAbsorption {
-            stop_at_transmittance: 0.0,
-        },
         ray_clips: Vec::new(),
         sample_clips: Vec::new(),
         modules: Vec::new(),
@@ -156,7 +160,7 @@ pub fn plane(normal: DVec3, offset_mm: f64) -> ClipPlane {
     ClipPlane {
         normal,
         offset_mm,
-        objects: ALL_OBJECTS,
+        layers: ALL_LAYERS,
     }
 }
 
@@ -166,7 +170,7 @@ pub fn cut_box(unit_from_world: DAffine3, keep_inside: bool) -> SampleClip {
         shape: ClipShape::Box,
         unit_from_world,
         keep_inside,
-        objects: ALL_OBJECTS,
+        layers: ALL_LAYERS,
     }
 }
 

@@ -11,7 +11,7 @@ const TOLERANCE: f64 = 1e-4;
 
 /// Every pixel lets through what `length_mm` of its ray says.
 fn check(volume: &Volume, plan: &Plan, opacity: f64, length_mm: impl Fn(DVec3, DVec3) -> f64) {
-    let reference_mm = f64::from(plan.objects[0].table.reference_mm());
+    let reference_mm = f64::from(plan.technique().table.reference_mm());
     let opacity = f64::from(opacity as f32);
     for (name, x, y, pixel) in draw(volume, plan) {
         let (origin, direction) = truth::ray(plan, x, y);
@@ -160,7 +160,7 @@ fn halving_the_step_quarters_the_error() {
         .to_vec();
     (plan.width, plan.height) = (2, 2);
     let exactly_passes = closed_form::transmittance_of_ramp(opaque, 4.0, 16.0);
-    let field = truth::Voxels::new(&ramp, plan.reconstruct);
+    let field = truth::Voxels::new(&ramp, plan.field().reconstruct);
     plan.lattice.step_mm = 16.0 / 4096.0;
     let fine = truth::picture(&plan, &field)[0];
     assert!((1.0 - fine[3] - exactly_passes).abs() < 1e-6, "{fine:?}");
@@ -194,15 +194,15 @@ fn ending_early_costs_no_more_than_the_light_that_still_passed() {
         let mut random = Random::new(seed ^ 0xEA21);
         let volume = random.volume();
         let mut plan = random.plan(&volume, [9, 7]);
-        plan.shade = strahl_scene::plan::Shade::Unlit;
+        plan.technique_mut().shade = strahl_scene::plan::Shade::Unlit;
         plan.lights.clear();
         let stop = 0.2;
         let composite = |stop_at_transmittance| Composite::EmissionAbsorption {
             stop_at_transmittance,
         };
-        plan.composite = composite(0.0);
+        plan.technique_mut().composite = composite(0.0);
         let full = draw(&volume, &plan);
-        plan.composite = composite(stop);
+        plan.technique_mut().composite = composite(stop);
         let early = draw(&volume, &plan);
         for (full, early) in full.iter().zip(&early) {
             drawn += 1;

@@ -178,67 +178,67 @@ fn choose(plan: &mut Plan, name: &str, random: &mut Random) {
             plan.lattice.jitter = random.pick(&[Jitter::WhiteTile(seed), Jitter::BlueTile(seed)]);
         }
         "fetch/marschner_lobb" => {
-            plan.fetch = Fetch::MarschnerLobb {
+            plan.field_mut().fetch = Fetch::MarschnerLobb {
                 frequency: random.between(2.0, 8.0) as f32,
                 alpha: random.between(0.1, 0.5) as f32,
             };
-            plan.objects[0].table = in_unit();
+            plan.technique_mut().table = in_unit();
         }
         "fetch/noise" => {
-            plan.fetch = Fetch::Noise {
+            plan.field_mut().fetch = Fetch::Noise {
                 cell_voxels: random.between(2.0, 6.0) as f32,
                 octaves: 1 + random.below(3) as u32,
                 seed: random.below(1 << 32) as u32,
             };
-            plan.objects[0].table = in_unit();
+            plan.technique_mut().table = in_unit();
         }
-        "reconstruct/nearest" => plan.reconstruct = Reconstruct::Nearest,
+        "reconstruct/nearest" => plan.field_mut().reconstruct = Reconstruct::Nearest,
         // Of a volume that is a function there is no texture that could be interpolated.
         "reconstruct/trilinear" => of_function(plan),
         "reconstruct/b_spline" => {
             of_function(plan);
-            plan.reconstruct = Reconstruct::BSpline;
+            plan.field_mut().reconstruct = Reconstruct::BSpline;
         }
         "reconstruct/b_spline_sampler" => {
-            plan.reconstruct =
+            plan.field_mut().reconstruct =
                 random.pick(&[Reconstruct::BSpline, Reconstruct::BSplineInterpolating]);
         }
         "fetch/texture" | "reconstruct/catmull_rom" => {
-            plan.reconstruct = Reconstruct::CatmullRom;
+            plan.field_mut().reconstruct = Reconstruct::CatmullRom;
         }
         "reconstruct/trilinear_sampler" | "classify/table" => {}
         "classify/identity" => {
-            plan.classify = Classify::Identity {
+            plan.technique_mut().classify = Classify::Identity {
                 black: random.between(-50.0, 50.0) as f32,
                 white: random.between(200.0, 300.0) as f32,
             };
         }
         "classify/threshold" => {
-            plan.classify = Classify::Threshold {
+            plan.technique_mut().classify = Classify::Threshold {
                 threshold: random.between(50.0, 200.0) as f32,
                 black: 0.0,
                 white: 255.0,
             };
         }
         "classify/gradient_table" => {
-            plan.classify = Classify::GradientTable {
+            plan.technique_mut().classify = Classify::GradientTable {
                 low_per_mm: random.between(0.0, 50.0) as f32,
                 high_per_mm: random.between(150.0, 255.0) as f32,
             };
         }
         "classify/pre_classified" => {
-            plan.classify = Classify::PreClassified;
-            plan.objects[0].table = soft(random, false);
+            plan.technique_mut().classify = Classify::PreClassified;
+            plan.technique_mut().table = soft(random, false);
         }
         "gradient_input/value" => raw_gradient(plan, white_per_mm),
         "gradient_input/opacity" => {
             raw_gradient(plan, 1.0);
-            plan.objects[0].table = soft(random, false);
-            plan.gradient.input = GradientInput::Opacity;
+            plan.technique_mut().table = soft(random, false);
+            plan.technique_mut().gradient_input = GradientInput::Opacity;
         }
         gradient => {
             raw_gradient(plan, white_per_mm);
-            plan.gradient.method = match gradient {
+            plan.field_mut().gradient = match gradient {
                 "gradient/forward" => GradientMethod::Forward,
                 "gradient/backward" => GradientMethod::Backward,
                 "gradient/central" => GradientMethod::Central,
@@ -252,12 +252,12 @@ fn choose(plan: &mut Plan, name: &str, random: &mut Random) {
 }
 
 fn of_function(plan: &mut Plan) {
-    plan.fetch = Fetch::Noise {
+    plan.field_mut().fetch = Fetch::Noise {
         cell_voxels: 3.0,
         octaves: 1,
         seed: 5,
     };
-    plan.objects[0].table = in_unit();
+    plan.technique_mut().table = in_unit();
 }
 
 fn in_unit() -> TransferTable {
@@ -267,7 +267,8 @@ fn in_unit() -> TransferTable {
 
 /// Shows the length of the gradient.
 fn raw_gradient(plan: &mut Plan, white_per_mm: f32) {
-    plan.composite = Composite::Debug(DebugView::GradientMagnitude { white_per_mm });
+    plan.technique_mut().composite =
+        Composite::Debug(DebugView::GradientMagnitude { white_per_mm });
 }
 
 fn clip_ray(case: &mut Case, function: &str, random: &mut Random) {
@@ -288,7 +289,7 @@ fn clip_ray(case: &mut Case, function: &str, random: &mut Random) {
                 ),
                 color: [0.2, 0.5, 0.9],
             });
-            case.plan.objects[0].table = soft(random, false);
+            case.plan.technique_mut().table = soft(random, false);
             case.plan.lights = vec![PlanLight::Head { radiance: [1.0; 3] }];
         }
     }
@@ -353,7 +354,7 @@ fn lit(plan: &mut Plan, slot: &str, function: &str, random: &mut Random) {
             shininess,
         },
     };
-    plan.shade = match function {
+    plan.technique_mut().shade = match function {
         "gradient_opacity" => Shade::GradientOpacity {
             full_per_mm: random.between(100.0, 300.0) as f32,
         },
@@ -370,8 +371,8 @@ fn composite(plan: &mut Plan, function: &str, random: &mut Random) {
     let forward = plan.camera.forward;
     let half = 2.0 * plan.lattice.step_mm;
     plan.ray_clips = vec![plane(forward, half), plane(-forward, half)];
-    plan.objects[0].table = soft(random, false);
-    plan.composite = match function {
+    plan.technique_mut().table = soft(random, false);
+    plan.technique_mut().composite = match function {
         "front_to_back" => Composite::EmissionAbsorption {
             stop_at_transmittance: 0.0,
         },
@@ -404,7 +405,7 @@ fn composite(plan: &mut Plan, function: &str, random: &mut Random) {
         }),
     };
     if function == "hit_depth" {
-        plan.composite = Composite::Debug(DebugView::Depth {
+        plan.technique_mut().composite = Composite::Debug(DebugView::Depth {
             near_mm: 25.0,
             far_mm: 35.0,
         });

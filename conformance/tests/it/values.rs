@@ -23,8 +23,8 @@ fn worst_value(
     hi: f64,
     exact: impl Fn(DVec3) -> f64,
 ) -> f64 {
-    plan.objects[0].table = grey(lo, hi);
-    plan.composite = Composite::Average;
+    plan.technique_mut().table = grey(lo, hi);
+    plan.technique_mut().composite = Composite::Average;
     one_sample_at(&mut plan, 0.3);
     let mut worst: f64 = 0.0;
     for (_, x, y, pixel) in draw(volume, &plan) {
@@ -43,7 +43,7 @@ fn worst_normal(
     at: impl Fn(&Plan, u32, u32) -> DVec3,
     gradient: impl Fn(DVec3) -> DVec3,
 ) -> f64 {
-    plan.shade = simple::blinn_phong(0.0, 1.0, 0.0, 1.0);
+    plan.technique_mut().shade = simple::blinn_phong(0.0, 1.0, 0.0, 1.0);
     let lights = |sign: f64| {
         let light = |axis: usize| {
             let mut radiance = [0.0; 3];
@@ -130,7 +130,7 @@ fn nearest_takes_the_voxel_whose_centre_is_nearest() {
     let ramp = simple::volume(grid, |p| p.x + 7.0 * p.y);
     let view = parallel(DVec3::new(0.1, -0.9, 0.2), 50.0, 1.4);
     let mut plan = plan(&ramp, view, opaque_white());
-    plan.reconstruct = Reconstruct::Nearest;
+    plan.field_mut().reconstruct = Reconstruct::Nearest;
     let worst = worst_value(&ramp, plan, -40.0, 40.0, |p| {
         let voxel = grid.voxel_from_world().transform_point3(p).round();
         let centre = grid.world_from_voxel().transform_point3(voxel);
@@ -151,7 +151,7 @@ fn projections_of_analytic_fields_are_what_they_must_be() {
         (Composite::Average, 0.0),
     ] {
         let mut plan = plan(&linear, view, grey(-40.0, 40.0));
-        plan.composite = composite;
+        plan.technique_mut().composite = composite;
         // A sample in each half voxel beyond the outermost centres, where the value stays the same.
         plan.lattice.step_mm = 0.5;
         for (name, x, y, pixel) in draw(&linear, &plan) {
@@ -172,7 +172,7 @@ fn projections_of_analytic_fields_are_what_they_must_be() {
         parallel(DVec3::new(0.4, 0.8, -0.3), 60.0, 9.0),
         grey(0.0, 40.0),
     );
-    plan.composite = Composite::MinIp;
+    plan.technique_mut().composite = Composite::MinIp;
     for (name, x, y, pixel) in draw(&distance, &plan) {
         let (origin, direction) = truth::ray(&plan, x, y);
         let expected = (origin - origin.dot(direction) * direction).length();
@@ -187,7 +187,7 @@ fn projections_of_analytic_fields_are_what_they_must_be() {
     let grid = centred([24; 3], DMat3::IDENTITY);
     let square = simple::volume(grid, |p| p.y * p.y);
     let mut plan = simple::plan(&square, parallel(DVec3::Y, 60.0, 9.0), grey(0.0, 100.0));
-    plan.composite = Composite::Average;
+    plan.technique_mut().composite = Composite::Average;
     plan.lattice.step_mm = 1.0 / 16.0;
     let box_of = centred([1; 3], DMat3::from_diagonal(DVec3::new(60.0, 19.0, 60.0)));
     plan.sample_clips = vec![simple::cut_box(box_of.voxel_from_world(), true)];
@@ -206,7 +206,7 @@ fn sphere_hits(camera: strahl_scene::plan::PlanCamera) -> (Volume, Plan) {
     let grid = centred([80; 3], DMat3::from_diagonal(DVec3::splat(0.5)));
     let depth = simple::volume(grid, |p| 14.0 - p.length());
     let mut plan = plan(&depth, camera, opaque_white());
-    plan.composite = Composite::FirstHit { threshold: 0.0 };
+    plan.technique_mut().composite = Composite::FirstHit { threshold: 0.0 };
     plan.lattice.step_mm = 3.0;
     (depth, plan)
 }
@@ -236,7 +236,7 @@ fn the_first_hit_lies_on_the_isosurface_whatever_the_step() {
 fn a_ray_that_starts_inside_hits_where_it_starts() {
     let (depth, mut plan) = sphere_hits(parallel(DVec3::Y, 0.0, 1.0));
     plan.camera = simple::from_eye(parallel(DVec3::Y, 5.0, 1.0), 0.4);
-    plan.objects[0].table = grey(0.0, 14.0);
+    plan.technique_mut().table = grey(0.0, 14.0);
     for (name, _, _, pixel) in draw(&depth, &plan) {
         let found = value_shown(pixel, 0.0, 14.0);
         assert!((found - 9.0).abs() < 0.02, "{name}: {found}");
@@ -246,7 +246,7 @@ fn a_ray_that_starts_inside_hits_where_it_starts() {
 #[test]
 fn a_hit_on_the_face_of_a_box_shows_the_value_there() {
     let (depth, mut plan) = sphere_hits(parallel(DVec3::Y, 40.0, 5.0));
-    plan.objects[0].table = grey(0.0, 14.0);
+    plan.technique_mut().table = grey(0.0, 14.0);
     let half = centred([1; 3], DMat3::from_diagonal(DVec3::new(100.0, 4.0, 100.0)));
     plan.sample_clips = vec![simple::cut_box(half.voxel_from_world(), true)];
     for (name, x, y, pixel) in draw(&depth, &plan) {
@@ -266,7 +266,7 @@ fn a_stored_number_equal_to_the_threshold_is_hit() {
     for stored in [7u8, 8, 9] {
         let volume = simple::of_samples(grid, Samples::U8(vec![stored; 27]));
         let mut plan = plan(&volume, parallel(DVec3::Y, 9.0, 1.0), opaque_white());
-        plan.composite = Composite::FirstHit { threshold: 8.0 };
+        plan.technique_mut().composite = Composite::FirstHit { threshold: 8.0 };
         for (name, _, _, pixel) in draw(&volume, &plan) {
             let expected = f32::from(u8::from(stored >= 8));
             assert_eq!(pixel[3], expected, "{name}, {stored}");
@@ -284,7 +284,7 @@ fn peaks_one_stored_number_wide_are_seen() {
     let volume = simple::of_samples(grid, Samples::U16(vec![1233, 1234, 1235]));
     let mut plan = plan(&volume, parallel(DVec3::Y, 9.0, 0.5), table);
     (plan.width, plan.height) = (3, 1);
-    plan.reconstruct = Reconstruct::Nearest;
+    plan.field_mut().reconstruct = Reconstruct::Nearest;
     for (name, x, _, pixel) in draw(&volume, &plan) {
         let expected = if x == 1 {
             [1.0, 0.5, 0.25, 1.0]

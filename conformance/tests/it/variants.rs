@@ -69,10 +69,11 @@ fn every_estimator_gives_the_slope_of_a_ramp_on_every_grid() {
         for method in GRADIENTS {
             let mut plan = plan(&ramp, parallel(DVec3::Y, 100.0, 0.5), white(1.0, 1.0));
             one_sample_at(&mut plan, 0.0);
-            plan.gradient.method = method;
-            plan.composite = Composite::Debug(DebugView::GradientMagnitude { white_per_mm: 2.0 });
+            plan.field_mut().gradient = method;
+            plan.technique_mut().composite =
+                Composite::Debug(DebugView::GradientMagnitude { white_per_mm: 2.0 });
             let steep = draw(&ramp, &plan);
-            plan.composite = Composite::Debug(DebugView::Normal);
+            plan.technique_mut().composite = Composite::Debug(DebugView::Normal);
             let normal = draw(&ramp, &plan);
             for y in 0..plan.height {
                 for x in 0..plan.width {
@@ -102,10 +103,11 @@ fn the_gradient_of_opacity_is_that_of_the_classified_ramp() {
     // Opacity 0.8 (v − 0.2) between the border and the middle: 0.8 · 0.02 per mm.
     let mut plan = plan(&values, parallel(DVec3::Y, 100.0, 0.5), ramp());
     one_sample_at(&mut plan, 0.0);
-    plan.composite = Composite::Debug(DebugView::GradientMagnitude { white_per_mm: 0.02 });
-    plan.gradient.input = GradientInput::Opacity;
+    plan.technique_mut().composite =
+        Composite::Debug(DebugView::GradientMagnitude { white_per_mm: 0.02 });
+    plan.technique_mut().gradient_input = GradientInput::Opacity;
     for method in GRADIENTS {
-        plan.gradient.method = method;
+        plan.field_mut().gradient = method;
         let found = draw(&values, &plan).image.pixel(4, 3)[0];
         assert!((found - 0.8).abs() < 1e-3, "{method:?}: {found}");
     }
@@ -117,11 +119,11 @@ fn back_to_front_is_front_to_back_without_an_early_end() {
         let mut random = Random::new(seed ^ 0xB2F);
         let volume = random.volume();
         let mut plan = random.plan(&volume, [9, 7]);
-        plan.composite = Composite::EmissionAbsorption {
+        plan.technique_mut().composite = Composite::EmissionAbsorption {
             stop_at_transmittance: 0.0,
         };
         let forwards = draw(&volume, &plan);
-        plan.composite = Composite::BackToFront;
+        plan.technique_mut().composite = Composite::BackToFront;
         let off = distance(&forwards, &draw(&volume, &plan));
         assert!(off < 2e-5, "seed {seed}: {off}");
     }
@@ -135,13 +137,23 @@ pub fn two(first: &Volume, second: &Volume) -> Plan {
         ramp(),
     );
     (plan.width, plan.height) = (23, 19);
-    let mut object = plan.objects[0].clone();
-    object.volume = 1;
-    object.grid = *second.grid();
-    object.rescale = second.rescale();
-    object.table = white(0.3, 1.0);
-    plan.objects.push(object);
+    let field = Field {
+        volume: 1,
+        grid: *second.grid(),
+        rescale: second.rescale(),
+        ..*plan.field()
+    };
+    let technique = Technique {
+        table: white(0.3, 1.0),
+        ..plan.technique().clone()
+    };
+    plan.add_layer(field, technique);
     plan
+}
+
+/// Changes every technique of a Plan in the same way.
+pub fn change_all(plan: &mut Plan, change: impl Fn(&mut Technique)) {
+    plan.techniques.iter_mut().for_each(change);
 }
 
 pub fn pair() -> (Volume, Volume) {
@@ -169,9 +181,9 @@ fn overlapping_volumes_do_not_care_for_their_order() {
         ..Datasets::default()
     };
     let mut swapped = plan.clone();
-    swapped.objects.reverse();
-    swapped.objects[0].volume = 0;
-    swapped.objects[1].volume = 1;
+    swapped.layers.reverse();
+    swapped.fields[0].volume = 1;
+    swapped.fields[1].volume = 0;
     let one = draw(data(vec![&a, &b]), &plan);
     assert!(one.stats.samples_visible > 1000);
     let off = distance(&one, &draw(data(vec![&b, &a]), &swapped));
@@ -185,7 +197,9 @@ fn overlapping_volumes_do_not_care_for_their_order() {
     let all = draw_with(data(vec![&a, &b]), &plan, &plainly);
     assert_eq!(one.image.pixels(), all.image.pixels());
     let mut backwards = plan;
-    backwards.composite = Composite::BackToFront;
+    change_all(&mut backwards, |technique| {
+        technique.composite = Composite::BackToFront
+    });
     let off = distance(&one, &draw(data(vec![&a, &b]), &backwards));
     assert!(off < 1e-5, "{off}");
 }
@@ -199,17 +213,17 @@ fn an_invisible_volume_changes_nothing_and_a_volume_twice_is_twice_as_dense() {
         ..Datasets::default()
     };
     // The lattice begins where the first object does: an own one inside the other moves nothing.
-    plan.objects[1].grid = plan.objects[0].grid;
-    plan.objects[1].volume = 0;
-    plan.objects[1].table = white(0.0, 1.0);
+    plan.fields[1].grid = plan.field().grid;
+    plan.fields[1].volume = 0;
+    plan.techniques[1].table = white(0.0, 1.0);
     let mut alone = plan.clone();
-    alone.objects.pop();
+    alone.layers.pop();
     let single = draw(data.clone(), &alone);
     assert!(distance(&draw(data.clone(), &plan), &single) < 1e-6);
     // Two of opacity a are one of 1 − (1 − a)².
-    plan.objects[0].table = white(0.2, 1.0);
-    plan.objects[1].table = white(0.2, 1.0);
-    alone.objects[0].table = white(1.0 - 0.8 * 0.8, 1.0);
+    plan.technique_mut().table = white(0.2, 1.0);
+    plan.techniques[1].table = white(0.2, 1.0);
+    alone.technique_mut().table = white(1.0 - 0.8 * 0.8, 1.0);
     let off = distance(&draw(data.clone(), &plan), &draw(data, &alone));
     assert!(off < 1e-5, "{off}");
 }
@@ -222,9 +236,9 @@ fn a_moved_volume_looks_as_from_a_moved_camera() {
     let turn =
         DAffine3::from_mat3_translation(DMat3::from_rotation_x(0.7), DVec3::new(5.0, -9.0, 2.0));
     let mut moved = unmoved.clone();
-    let grid = moved.objects[0].grid;
-    moved.objects[0].grid = Grid::new(grid.dims(), turn * grid.world_from_voxel()).unwrap();
-    moved.objects[0].is_moved = true;
+    let grid = moved.field().grid;
+    moved.field_mut().grid = Grid::new(grid.dims(), turn * grid.world_from_voxel()).unwrap();
+    moved.field_mut().is_moved = true;
     moved.camera.eye_mm = turn.transform_point3(camera.eye_mm);
     for axis in [
         &mut moved.camera.right,
@@ -236,7 +250,7 @@ fn a_moved_volume_looks_as_from_a_moved_camera() {
     let off = distance(&draw(&a, &unmoved), &draw(&a, &moved));
     assert!(off < 1e-4, "{off}");
     // Without a word that it is moved it is another volume's Plan.
-    moved.objects[0].is_moved = false;
+    moved.field_mut().is_moved = false;
     let refused = Renderer::new(&a).render(&moved, &Options::default(), &no_progress);
     assert!(matches!(refused, Err(strahl_cpu::Error::OtherGrid { .. })));
 }
@@ -290,7 +304,7 @@ fn the_depth_of_a_hit_is_that_of_the_sphere() {
     let grid = centred([40; 3], DMat3::IDENTITY);
     let ball = volume(grid, |p| 20.0 - p.length());
     let mut plan = plan(&ball, parallel(DVec3::Y, 60.0, 6.0), grey(0.0, 1.0));
-    plan.composite = Composite::FirstHit { threshold: 8.0 };
+    plan.technique_mut().composite = Composite::FirstHit { threshold: 8.0 };
     plan.with_depth = true;
     let depth_mm = draw(&ball, &plan).depth_mm.unwrap();
     for y in 0..plan.height {
@@ -336,7 +350,7 @@ fn a_mask_of_a_half_space_cuts_as_a_box() {
             },
             unit_from_world,
             keep_inside,
-            objects: ALL_OBJECTS,
+            layers: ALL_LAYERS,
         }];
         let mut boxed = masked.clone();
         let half = DAffine3::from_translation(DVec3::new(-0.5, 0.0, 0.0))
@@ -361,23 +375,23 @@ fn clips_cut_the_objects_that_they_name() {
         ..Datasets::default()
     };
     let mut alone = plan.clone();
-    alone.objects.pop();
+    alone.layers.pop();
     // Nothing is left of the second: as if it were not there (on the same lattice).
-    plan.objects[1].grid = plan.objects[0].grid;
-    plan.objects[1].volume = 0;
+    plan.fields[1].grid = plan.field().grid;
+    plan.fields[1].volume = 0;
     let nothing = DAffine3::from_scale(DVec3::splat(1e-6));
     for clip in [
         SampleClip {
-            objects: 0b10,
+            layers: 0b10,
             ..cut_box(nothing, false)
         },
         SampleClip {
-            objects: 0b10,
+            layers: 0b10,
             shape: ClipShape::Ellipsoid,
             ..cut_box(nothing, false)
         },
         SampleClip {
-            objects: 0b10,
+            layers: 0b10,
             shape: ClipShape::Cylinder,
             ..cut_box(nothing, false)
         },
@@ -388,7 +402,7 @@ fn clips_cut_the_objects_that_they_name() {
     }
     plan.sample_clips.clear();
     plan.ray_clips = vec![ClipPlane {
-        objects: 0b10,
+        layers: 0b10,
         ..plane(DVec3::X, -1000.0)
     }];
     assert!(distance(&draw(data.clone(), &plan), &draw(data, &alone)) < 1e-6);
@@ -442,9 +456,9 @@ fn an_interpolating_spline_goes_through_the_voxels() {
     let mut plan = plan(&noise, parallel(DVec3::Y, 60.0, 0.5), grey(-1.0, 2.0));
     (plan.width, plan.height) = (1, 1);
     plan.lattice.step_mm = 1.0;
-    plan.composite = Composite::Mip;
+    plan.technique_mut().composite = Composite::Mip;
     for reconstruct in [Reconstruct::BSplineInterpolating, Reconstruct::CatmullRom] {
-        plan.reconstruct = reconstruct;
+        plan.field_mut().reconstruct = reconstruct;
         for voxel in [[0usize, 0, 0], [4, 3, 3], [8, 7, 6], [2, 5, 1]] {
             let place = DVec3::from_array(voxel.map(|n| n as f64));
             let centre = grid.world_from_voxel().transform_point3(place);
@@ -471,7 +485,7 @@ pub fn any_variant(random: &mut Random, volume: &Volume) -> Plan {
     let [low, high] = volume.statistics().range.map(|v| v as f32);
     let high = if high > low { high } else { low + 1.0 };
     let steep = (high - low) / volume.grid().min_spacing_mm() as f32;
-    plan.classify = random.pick(&[
+    plan.technique_mut().classify = random.pick(&[
         Classify::Table,
         Classify::Identity {
             black: low,
@@ -488,8 +502,8 @@ pub fn any_variant(random: &mut Random, volume: &Volume) -> Plan {
         },
         Classify::PreClassified,
     ]);
-    plan.composite = random.pick(&[
-        plan.composite,
+    plan.technique_mut().composite = random.pick(&[
+        plan.technique().composite,
         Composite::BackToFront,
         Composite::Gmip {
             white_per_mm: steep,
@@ -514,13 +528,13 @@ pub fn any_variant(random: &mut Random, volume: &Volume) -> Plan {
             far_mm: 100.0,
         }),
     ]);
-    plan.reconstruct = random.pick(&[
-        plan.reconstruct,
+    plan.field_mut().reconstruct = random.pick(&[
+        plan.field().reconstruct,
         Reconstruct::BSpline,
         Reconstruct::BSplineInterpolating,
         Reconstruct::CatmullRom,
     ]);
-    plan.fetch = random.pick(&[
+    plan.field_mut().fetch = random.pick(&[
         Fetch::Stored,
         Fetch::Stored,
         Fetch::Noise {
@@ -533,13 +547,14 @@ pub fn any_variant(random: &mut Random, volume: &Volume) -> Plan {
             alpha: 0.25,
         },
     ]);
-    plan.gradient.method = random.pick(&GRADIENTS);
+    plan.field_mut().gradient = random.pick(&GRADIENTS);
     // An opacity that follows the gradient has no gradient: `resolve` refuses it.
-    if !matches!(plan.classify, Classify::GradientTable { .. }) {
-        plan.gradient.input = random.pick(&[GradientInput::Value, GradientInput::Opacity]);
+    if !matches!(plan.technique().classify, Classify::GradientTable { .. }) {
+        plan.technique_mut().gradient_input =
+            random.pick(&[GradientInput::Value, GradientInput::Opacity]);
     }
-    plan.shade = random.pick(&[
-        plan.shade,
+    plan.technique_mut().shade = random.pick(&[
+        plan.technique().shade,
         blinn_phong(0.2, 0.5, 0.3, 20.0),
         Shade::Lit {
             ambient: 0.1,
@@ -588,8 +603,8 @@ fn skipping_changes_no_byte_of_any_variant() {
         }
         let mut plan = any_variant(&mut random, &volume);
         if is_blob {
-            plan.objects[0].table = ramp();
-            plan.fetch = Fetch::Stored;
+            plan.technique_mut().table = ramp();
+            plan.field_mut().fetch = Fetch::Stored;
         }
         let renderer = Renderer::new(&volume);
         let bits = |threads, tile, skip| {

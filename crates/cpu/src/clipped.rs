@@ -39,7 +39,10 @@ impl Clipped {
         plan: &Plan,
         object: usize,
     ) -> Option<Clipped> {
-        let is_projection = matches!(plan.composite, Composite::Mip | Composite::MinIp);
+        let is_projection = matches!(
+            plan.technique().composite,
+            Composite::Mip | Composite::MinIp
+        );
         let is_of_points = match plan.sampling {
             Sampling::Regular | Sampling::ByOpacity { .. } => true,
             // Of the largest value of a ray.
@@ -52,10 +55,10 @@ impl Clipped {
             return None;
         }
         let asked = Asked {
-            grid: plan.objects[object].grid,
+            grid: plan.field_of(object).grid,
             clips,
         };
-        let found = recent.find(asked, 2 * plan.objects.len(), |_| {
+        let found = recent.find(asked, 2 * plan.layers.len(), |_| {
             let mask = |mask| masks.get(mask);
             Some(dropped(plan, object, bricks.dims(), bricks.edge(), mask))
         })?;

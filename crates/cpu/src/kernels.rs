@@ -44,7 +44,7 @@ pub fn run(
     volume: &Volume,
     packets: &[Packet],
 ) -> f32 {
-    assert_eq!(plan.objects[0].grid, *volume.grid(), "of another volume");
+    assert_eq!(plan.field().grid, *volume.grid(), "of another volume");
     let running = Running {
         kernel,
         plan,
@@ -67,8 +67,8 @@ impl Task for Running<'_> {
     fn run<S: Level>(self) -> f32 {
         let (plan, volume) = (self.plan, self.volume);
         let samples = volume.samples();
-        let rescale = plan.objects[0].rescale;
-        let values = values::<S>(volume.grid(), samples, rescale, plan.reconstruct);
+        let rescale = plan.field().rescale;
+        let values = values::<S>(volume.grid(), samples, rescale, plan.field().reconstruct);
         let object = Object::new(plan, 0, &*values, None, &[], None, None, None, None, None);
         vectorized::<S, _>(
             #[inline(always)]

@@ -37,7 +37,7 @@ impl<S: Level> Scenery<'_, S> {
             scenery: self,
             rays,
             to_eye: each!(rays.direction, |d| -d),
-            state: State::start(match self.plan.composite {
+            state: State::start(match self.composite {
                 Composite::Mip => maximum::START,
                 Composite::MinIp => minimum::START,
                 _ => 0.0,
@@ -46,7 +46,7 @@ impl<S: Level> Scenery<'_, S> {
             visible: F32s::zero(),
             skipped: F32s::zero(),
         };
-        let walked = match (self.objects.as_slice(), self.plan.composite) {
+        let walked = match (self.objects.as_slice(), self.composite) {
             ([object], Composite::EmissionAbsorption { .. }) => packet.by_rule(object),
             ([object], Composite::FirstHit { .. }) => packet.at_lattice_points(object),
             ([object], Composite::BackToFront) => packet.backwards(object),
@@ -60,11 +60,9 @@ impl<S: Level> Scenery<'_, S> {
             (_, Composite::BackToFront) => packet.backwards_through_several(),
             _ => packet.forwards_through_several(),
         };
-        if let ([object], Sampling::Refine { parts }, Composite::Mip | Composite::MinIp) = (
-            self.objects.as_slice(),
-            self.plan.sampling,
-            self.plan.composite,
-        ) {
+        if let ([object], Sampling::Refine { parts }, Composite::Mip | Composite::MinIp) =
+            (self.objects.as_slice(), self.plan.sampling, self.composite)
+        {
             packet.refine_projection(object, parts);
         }
         let in_volume = F32s::zero().lt(rays.count);
@@ -102,7 +100,7 @@ impl<S: Level> Packet<'_, S> {
     /// Front to back through one volume, by the loop of its type of sample if there is one.
     #[inline(always)]
     fn at_lattice_points(&mut self, object: &Object<S>) -> F32s<S> {
-        match object.stored_for(self.scenery.plan.composite, &self.scenery.shading) {
+        match object.stored_for(self.scenery.composite, &self.scenery.shading) {
             Some(stored) if S::HAS_LOOPS_PER_TYPE => self.through_voxels(object, stored),
             _ => self.forwards(object),
         }

@@ -41,7 +41,7 @@ impl OfBricks {
         recent: &RecentOfBricks,
         bricks: &Bricks,
         plan: &Plan,
-        object: usize,
+        layer: usize,
         clipped: Option<&Clipped>,
         find: impl FnOnce(&Plan, usize, &Bricks) -> Option<Vec<u8>>,
     ) -> Option<OfBricks> {
@@ -50,18 +50,18 @@ impl OfBricks {
         if bricks.number() > i32::MAX as usize / 8 {
             return None;
         }
-        let placed = &plan.objects[object];
+        let (field, technique) = (plan.field_of(layer), plan.technique_of(layer));
         let asked = Asked {
-            volume: placed.volume,
+            volume: field.volume,
             sampling: plan.sampling,
             step_mm: plan.lattice.step_mm,
-            reconstruct: plan.reconstruct,
-            rescale: placed.rescale,
-            table: placed.table.clone(),
+            reconstruct: field.reconstruct,
+            rescale: field.rescale,
+            table: technique.table.clone(),
             clipped: clipped.cloned(),
         };
-        let bytes = recent.find(asked, 2 * plan.objects.len(), |_| {
-            let mut bytes = find(plan, object, bricks)?;
+        let bytes = recent.find(asked, 2 * plan.layers.len(), |_| {
+            let mut bytes = find(plan, layer, bricks)?;
             for (byte, clipped) in bytes
                 .iter_mut()
                 .zip(clipped.map_or(&[][..], Clipped::bricks))

@@ -145,13 +145,13 @@ impl<S: Level> RayPacket<S> {
         self.entry_mm = t_entry;
         self.count = points(met, t_exit);
         // One alone begins and ends with the rays.
-        let is_alone = plan.objects.len() == 1;
-        for (object, line) in self.lines.iter_mut().enumerate() {
-            let grid = &plan.objects[object].grid;
+        let is_alone = plan.layers.len() == 1;
+        for (layer, line) in self.lines.iter_mut().enumerate() {
+            let grid = &plan.field_of(layer).grid;
             *line = Line::of_rays(grid, &rays, t_entry, plan.lattice.step_mm);
             line.end = self.count;
             if !is_alone {
-                let [first, last] = self.intervals[object];
+                let [first, last] = self.intervals[layer];
                 let met = met & first.lt(last);
                 line.first = points(met, first);
                 line.end = points(met, last);
@@ -178,13 +178,13 @@ impl<S: Level> RayPacket<S> {
 pub fn most_points(plan: &Plan) -> f64 {
     // No ray is longer inside than the diagonal of the volume, or of the box around several.
     let corners = |grid: &Grid| grid.corners_mm();
-    let diagonal = if let [object] = &plan.objects[..] {
-        let corners = corners(&object.grid);
+    let diagonal = if plan.layers.len() == 1 {
+        let corners = corners(&plan.field().grid);
         (0..4)
             .map(|i| corners[i].distance(corners[7 - i]))
             .fold(0.0, f64::max)
     } else {
-        let all = plan.objects.iter().flat_map(|object| corners(&object.grid));
+        let all = plan.drawn_fields().flat_map(|field| corners(&field.grid));
         let start = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         let (lo, hi) = all.fold(start, |(lo, hi), c| (lo.min(c), hi.max(c)));
         lo.distance(hi)

@@ -88,21 +88,22 @@ enum Seen {
 }
 
 impl Rejection {
-    /// That of object number `object`, whose values are `rescale`d from numbers like those of `of_cubic`; `None` if
+    /// That of layer number `layer`, whose values are `rescale`d from numbers like those of `of_cubic`; `None` if
     /// every sample is to be worked out.
     pub fn new(
         of_cubic: &OfCubic,
         plan: &Plan,
-        object: usize,
+        layer: usize,
         rescale: Rescale,
     ) -> Option<Rejection> {
         let bends = of_cubic.bends.as_ref()?;
-        if plan.fetch != Fetch::Stored {
+        let (field, technique) = (plan.field_of(layer), plan.technique_of(layer));
+        if field.fetch != Fetch::Stored {
             return None;
         }
         // How far below the line and above, for bends below 0 and above: the multiple of the kernel, and what weights below 0
         // across the axis add, of which Catmull–Rom has up to 1/8 along each.
-        let (below, above) = match plan.reconstruct {
+        let (below, above) = match field.reconstruct {
             Reconstruct::BSpline | Reconstruct::BSplineInterpolating => {
                 ([1.0 / 6.0, 0.0], [0.0, 1.0 / 6.0])
             }
@@ -113,11 +114,11 @@ impl Rejection {
             }
             Reconstruct::Nearest | Reconstruct::Trilinear => return None,
         };
-        let seen = match (plan.composite, plan.classify) {
+        let seen = match (technique.composite, technique.classify) {
             // This one does not classify values at samples.
             (Composite::EmissionAbsorption { .. }, Classify::PreClassified) => return None,
             (Composite::EmissionAbsorption { .. }, classify) => {
-                Seen::Shown(Between::new(classify, &plan.objects[object].table))
+                Seen::Shown(Between::new(classify, &technique.table))
             }
             (Composite::FirstHit { threshold }, _) => Seen::From(threshold as f32),
             (Composite::Mip, _) => Seen::Larger,
@@ -221,7 +222,7 @@ mod tests {
             let volume = volume.unwrap();
             let scene = Scene::parse("scene", "{}").unwrap();
             let mut plan = resolve(&scene, &volume.header(), None).unwrap();
-            plan.reconstruct = reconstruct;
+            plan.field_mut().reconstruct = reconstruct;
             let coefficients = volume.b_spline_coefficients().unwrap();
             let read = match reconstruct {
                 Reconstruct::BSplineInterpolating => &coefficients,
@@ -244,7 +245,7 @@ mod tests {
                 Composite::Mip,
                 Composite::MinIp,
             ] {
-                plan.composite = composite;
+                plan.technique_mut().composite = composite;
                 let rejection = Rejection::new(&of_cubic, &plan, 0, read.rescale()).unwrap();
                 let so_far = F32s::splat(threshold);
                 let seen = yes(rejection.may_be_seen(&*values, position, so_far, all));

@@ -27,7 +27,7 @@ use crate::tiles;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::Instant;
 use strahl_scene::Image;
-use strahl_scene::plan::{ClipShape, Fetch, Plan, PlanObject, Reconstruct, Sampling};
+use strahl_scene::plan::{ClipShape, Fetch, Field, Plan, Reconstruct, Sampling};
 use strahl_volume::bricks::{BrickRange, Bricks};
 use strahl_volume::{Datasets, Rescale, Volume};
 
@@ -124,13 +124,13 @@ impl<'v> Renderer<'v> {
                 .then_some(())
                 .ok_or(Error::NoData { what, index, there })
         };
-        for object in &plan.objects {
-            there("volume", object.volume, self.data.volumes.len())?;
-            let own = self.data.volumes[object.volume].grid();
-            // An object may be placed elsewhere, but has the voxels of its volume.
-            if object.grid.dims() != own.dims() || !self.has_place(object) {
+        for field in plan.drawn_fields() {
+            there("volume", field.volume, self.data.volumes.len())?;
+            let own = self.data.volumes[field.volume].grid();
+            // A field may be placed elsewhere, but has the voxels of its volume.
+            if field.grid.dims() != own.dims() || !self.has_place(field) {
                 return Err(Error::OtherGrid {
-                    plan: object.grid.dims(),
+                    plan: field.grid.dims(),
                     volume: own.dims(),
                 });
             }
@@ -164,51 +164,46 @@ impl<'v> Renderer<'v> {
         Ok(())
     }
 
-    /// Whether an object lies where its volume does; a Plan of one volume that lies elsewhere is that of
+    /// Whether a field lies where its volume does; a Plan of one volume that lies elsewhere is that of
     /// another one, unless its scene moves it.
-    fn has_place(&self, object: &PlanObject) -> bool {
-        let own = self.data.volumes[object.volume].grid();
-        object.is_moved || object.grid == *own
+    fn has_place(&self, field: &Field) -> bool {
+        let own = self.data.volumes[field.volume].grid();
+        field.is_moved || field.grid == *own
     }
 
-    /// The coefficients that `plan` reads for an object, if it reads any.
-    fn coefficients_for(
-        &self,
-        plan: &Plan,
-        object: &PlanObject,
-    ) -> Result<Option<Arc<Coefficients>>, Error> {
-        if plan.reconstruct != Reconstruct::BSplineInterpolating || plan.fetch != Fetch::Stored {
+    /// The coefficients that are read for a field, if any are.
+    fn coefficients_for(&self, field: &Field) -> Result<Option<Arc<Coefficients>>, Error> {
+        if !field.reads_coefficients() {
             return Ok(None);
         }
         let mut known = self
             .coefficients
             .lock()
             .unwrap_or_else(PoisonError::into_inner);
-        let of_volume = &mut known[object.volume];
+        let of_volume = &mut known[field.volume];
         if of_volume.is_none() {
-            let volume = self.data.volumes[object.volume].b_spline_coefficients()?;
+            let volume = self.data.volumes[field.volume].b_spline_coefficients()?;
             let of_cubic = OfCubic::new(&volume);
             *of_volume = Some(Arc::new(Coefficients { volume, of_cubic }));
         }
         Ok(of_volume.clone())
     }
 
-    /// The values of an object: slots fetch and reconstruct.
+    /// The values of a field: slots fetch and reconstruct.
     fn values<'a, S: Level>(
         &'a self,
-        plan: &Plan,
-        object: &PlanObject,
+        field: &Field,
         coefficients: Option<&'a Coefficients>,
     ) -> Box<dyn Values<S> + 'a> {
-        let shape = Shape::new(&object.grid);
-        match (plan.fetch, coefficients) {
+        let shape = Shape::new(&field.grid);
+        match (field.fetch, coefficients) {
             (Fetch::MarschnerLobb { frequency, alpha }, _) => {
                 let fetch = MarschnerLobb {
                     shape,
                     frequency,
                     alpha,
                 };
-                of_fetch(fetch, Rescale::IDENTITY, plan.reconstruct)
+                of_fetch(fetch, Rescale::IDENTITY, field.reconstruct)
             }
             (
                 Fetch::Noise {
@@ -224,37 +219,37 @@ impl<'v> Renderer<'v> {
                     octaves,
                     seed,
                 };
-                of_fetch(fetch, Rescale::IDENTITY, plan.reconstruct)
+                of_fetch(fetch, Rescale::IDENTITY, field.reconstruct)
             }
             (Fetch::Stored, Some(Coefficients { volume, .. })) => {
                 let samples = volume.samples();
-                values(&object.grid, samples, volume.rescale(), plan.reconstruct)
+                values(&field.grid, samples, volume.rescale(), field.reconstruct)
             }
             (Fetch::Stored, None) => {
-                let samples = self.data.volumes[object.volume].samples();
-                values(&object.grid, samples, object.rescale, plan.reconstruct)
+                let samples = self.data.volumes[field.volume].samples();
+                values(&field.grid, samples, field.rescale, field.reconstruct)
             }
         }
     }
 
-    /// What object number `object` is reconstructed from, its bricks, and what there is for cubic kernels.
+    /// What layer number `layer` is reconstructed from, its bricks, and what there is for cubic kernels.
     fn read_for<'a>(
         &'a self,
         plan: &Plan,
-        object: usize,
+        layer: usize,
         coefficients: &'a [Option<Arc<Coefficients>>],
     ) -> (&'a Volume, &'a Bricks, Option<&'a OfCubic>) {
-        if let Some(Coefficients { volume, of_cubic }) = coefficients[object].as_deref() {
+        if let Some(Coefficients { volume, of_cubic }) = coefficients[layer].as_deref() {
             return (volume, &of_cubic.bricks, Some(of_cubic));
         }
-        let index = plan.objects[object].volume;
-        let volume = self.data.volumes[index];
-        match plan.reconstruct {
-            Reconstruct::BSpline | Reconstruct::CatmullRom if plan.fetch == Fetch::Stored => {
-                let of_cubic = self.of_cubic[index].get_or_init(|| OfCubic::new(volume));
+        let field = plan.field_of(layer);
+        let volume = self.data.volumes[field.volume];
+        match field.reconstruct {
+            Reconstruct::BSpline | Reconstruct::CatmullRom if field.fetch == Fetch::Stored => {
+                let of_cubic = self.of_cubic[field.volume].get_or_init(|| OfCubic::new(volume));
                 (volume, &of_cubic.bricks, Some(of_cubic))
             }
-            _ => (volume, &self.bricks[index], None),
+            _ => (volume, &self.bricks[field.volume], None),
         }
     }
 
@@ -266,15 +261,13 @@ impl<'v> Renderer<'v> {
         draw: impl FnOnce(&Scenery<S>) -> R,
     ) -> Result<R, Error> {
         let coefficients = plan
-            .objects
-            .iter()
-            .map(|object| self.coefficients_for(plan, object))
+            .drawn_fields()
+            .map(|field| self.coefficients_for(field))
             .collect::<Result<Vec<_>, Error>>()?;
         let sources: Vec<_> = plan
-            .objects
-            .iter()
+            .drawn_fields()
             .zip(&coefficients)
-            .map(|(object, coefficients)| self.values(plan, object, coefficients.as_deref()))
+            .map(|(field, coefficients)| self.values(field, coefficients.as_deref()))
             .collect();
         let masks: Vec<Box<dyn Values<S> + '_>> = self
             .data
@@ -286,6 +279,7 @@ impl<'v> Renderer<'v> {
             })
             .collect();
         let object = |index: usize| {
+            let field = plan.field_of(index);
             let (volume, bricks, of_cubic) = self.read_for(plan, index, &coefficients);
             let clipped = Clipped::new(&self.recent_clipped, &self.masks, bricks, plan, index);
             let clipped = clipped.as_ref();
@@ -295,15 +289,15 @@ impl<'v> Renderer<'v> {
                 .flatten();
             let rescale = match coefficients[index] {
                 Some(_) => volume.rescale(),
-                None => plan.objects[index].rescale,
+                None => field.rescale,
             };
             let rejection = of_cubic
                 .filter(|_| options.skip)
                 .and_then(|of_cubic| Rejection::new(of_cubic, plan, index, rescale));
             let is_plain =
-                plan.fetch == Fetch::Stored && plan.reconstruct == Reconstruct::Trilinear;
+                field.fetch == Fetch::Stored && field.reconstruct == Reconstruct::Trilinear;
             let stored = is_plain
-                .then(|| Stored::new(&plan.objects[index].grid, volume.samples()))
+                .then(|| Stored::new(&field.grid, volume.samples()))
                 .flatten();
             // Both need what is beside a voxel to have a value: bricks side by side have one in common then.
             let is_whole = plan.sampling == Sampling::Regular || is_whole(volume, bricks);
@@ -320,8 +314,9 @@ impl<'v> Renderer<'v> {
         };
         Ok(draw(&Scenery {
             plan,
-            objects: (0..plan.objects.len()).map(object).collect(),
+            objects: (0..plan.layers.len()).map(object).collect(),
             shading: Shading::new(plan),
+            composite: plan.technique().composite,
             jitters: Jitters::new(plan),
             meshes: &self.meshes,
         }))

@@ -22,6 +22,7 @@ use strahl_volume::{Grid, Samples};
 /// The functions in the slots, with what they read.
 pub struct Scenery<'p, S: Level> {
     pub plan: &'p Plan,
+    pub composite: Composite,
     pub objects: Vec<Object<'p, S>>,
     pub shading: Shading,
     pub jitters: Jitters,
@@ -36,6 +37,7 @@ pub struct Object<'p, S: Level> {
     pub clips: SampleClips<'p, S>,
     pub table: Table<'p>,
     pub gradients: Gradients,
+    gradient_input: GradientInput,
     pub skip: Option<Skip>,
     /// Which samples need not be reconstructed, where that takes many voxels.
     pub rejection: Option<Rejection>,
@@ -105,11 +107,11 @@ impl<S: Level> Look<S> {
 }
 
 impl<'p, S: Level> Object<'p, S> {
-    /// Object number `object` of `plan`.
+    /// Layer number `layer` of `plan`.
     #[expect(clippy::too_many_arguments, reason = "what an object is made of")]
     pub fn new(
         plan: &'p Plan,
-        object: usize,
+        layer: usize,
         values: &'p dyn Values<S>,
         stored: Option<Stored<'p>>,
         masks: &'p [Box<dyn Values<S> + 'p>],
@@ -119,16 +121,17 @@ impl<'p, S: Level> Object<'p, S> {
         strides: Option<Strides>,
         integrals: Option<Arc<Integrals>>,
     ) -> Object<'p, S> {
-        let placed = &plan.objects[object];
-        let table = &placed.table;
+        let (field, technique) = (plan.field_of(layer), plan.technique_of(layer));
+        let table = &technique.table;
         let part_mm = plan.lattice.step_mm / f64::from(plan.sampling.parts());
         Object {
             values,
             stored,
-            rescale: [placed.rescale.slope, placed.rescale.intercept].map(|number| number as f32),
-            clips: SampleClips::new(plan, object, &placed.grid, masks),
+            rescale: [field.rescale.slope, field.rescale.intercept].map(|number| number as f32),
+            clips: SampleClips::new(plan, layer, &field.grid, masks),
             table: Table::new(table),
-            gradients: Gradients::new(plan.gradient, &placed.grid),
+            gradients: Gradients::new(field.gradient, &field.grid),
+            gradient_input: technique.gradient_input,
             skip,
             rejection,
             even,
@@ -136,11 +139,11 @@ impl<'p, S: Level> Object<'p, S> {
             between: plan
                 .sampling
                 .is_of_segments()
-                .then(|| Between::new(plan.classify, table)),
+                .then(|| Between::new(technique.classify, table)),
             integrals,
-            classify: plan.classify,
+            classify: technique.classify,
             steps_per_reference: steps_per_reference(part_mm, table.reference_mm()),
-            world_from_voxel: Affine::new(placed.grid.world_from_voxel()),
+            world_from_voxel: Affine::new(field.grid.world_from_voxel()),
         }
     }
 
@@ -239,7 +242,7 @@ impl<'p, S: Level> Object<'p, S> {
     pub fn gradient(&self, position: Vec3s<S>, asked: Mask<S>) -> Vec3s<S> {
         vectorized::<S, _>(
             #[inline(always)]
-            || match self.gradients.input() {
+            || match self.gradient_input {
                 GradientInput::Value => self.gradients.of_values(self.values, position, asked),
                 GradientInput::Opacity => {
                     let opacity = |at| self.opacity_at(at, asked);

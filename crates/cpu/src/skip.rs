@@ -230,18 +230,18 @@ impl Recent {
         &self,
         bricks: &Bricks,
         plan: &Plan,
-        object: usize,
+        layer: usize,
         clipped: Option<&Clipped>,
     ) -> Knowledge {
-        let placed = &plan.objects[object];
+        let (field, technique) = (plan.field_of(layer), plan.technique_of(layer));
         let asked = Asked {
-            volume: placed.volume,
-            fetch: plan.fetch,
-            reconstruct: plan.reconstruct,
-            classify: plan.classify,
-            composite: plan.composite,
-            rescale: placed.rescale,
-            table: placed.table.clone(),
+            volume: field.volume,
+            fetch: field.fetch,
+            reconstruct: field.reconstruct,
+            classify: technique.classify,
+            composite: technique.composite,
+            rescale: field.rescale,
+            table: technique.table.clone(),
             clipped: clipped.cloned(),
         };
         let known = {
@@ -250,16 +250,16 @@ impl Recent {
             let known = place.map(|place| all.remove(place));
             // What was found for other transfer functions would take an eighth of a `u8` volume each: it goes before
             // there is more.
-            all.truncate(plan.objects.len() - 1);
+            all.truncate(plan.layers.len() - 1);
             known
         };
         // Not under the lock: the threads that help here may draw other pictures meanwhile.
-        let mut found = known.unwrap_or_else(|| Found::new(asked, bricks, plan, object));
-        found.look_towards(octants(plan, object), bricks.dims());
+        let mut found = known.unwrap_or_else(|| Found::new(asked, bricks, plan, layer));
+        found.look_towards(octants(plan, layer), bricks.dims());
         let knowledge = found.knowledge.clone();
         let mut all = self.all();
         all.insert(0, found);
-        all.truncate(plan.objects.len());
+        all.truncate(plan.layers.len());
         knowledge
     }
 
@@ -358,7 +358,7 @@ impl Skip {
         clipped: Option<&Clipped>,
     ) -> Option<Skip> {
         assert_eq!(bricks.edge(), EDGE);
-        if plan.composite == Composite::BackToFront {
+        if plan.technique().composite == Composite::BackToFront {
             return None;
         }
         match recent.find(bricks, plan, object, clipped) {
@@ -431,7 +431,7 @@ fn octants(plan: &Plan, object: usize) -> u32 {
                 .to_vec()
         }
     };
-    let voxel_from_world = plan.objects[object].grid.voxel_from_world();
+    let voxel_from_world = plan.field_of(object).grid.voxel_from_world();
     let mut signs = [[false; 2]; 3];
     for corner in corners {
         let direction = voxel_from_world.transform_vector3(corner);

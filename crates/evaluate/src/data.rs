@@ -3,7 +3,7 @@
 use crate::error::Error;
 use crate::resources::{Numbers, Texture};
 use std::borrow::Cow;
-use strahl_scene::plan::{ClipShape, Fetch, Plan, PlanObject, Reconstruct};
+use strahl_scene::plan::{ClipShape, Field, Plan};
 use strahl_volume::{
     Datasets, Mesh, Metadata, Rescale, SampleType, Samples, Volume, bricks::Bricks, with_samples,
 };
@@ -41,14 +41,14 @@ impl<'v> Data<'v> {
                 .then_some(())
                 .ok_or(Error::NoData { what, index, there })
         };
-        for object in &plan.objects {
-            there("volume", object.volume, self.volumes.len())?;
-            let own = self.volumes[object.volume].grid();
-            // An object may be placed elsewhere, but has the voxels of its volume.
-            let is_own = object.is_moved || object.grid == *own;
-            if object.grid.dims() != own.dims() || !is_own {
+        for field in plan.drawn_fields() {
+            there("volume", field.volume, self.volumes.len())?;
+            let own = self.volumes[field.volume].grid();
+            // A field may be placed elsewhere, but has the voxels of its volume.
+            let is_own = field.is_moved || field.grid == *own;
+            if field.grid.dims() != own.dims() || !is_own {
                 return Err(Error::OtherGrid {
-                    plan: object.grid.dims(),
+                    plan: field.grid.dims(),
                     volume: own.dims(),
                 });
             }
@@ -66,13 +66,13 @@ impl<'v> Data<'v> {
 
     /// Makes the coefficients that `plan` reads, if it reads any.
     pub fn make_coefficients(&mut self, plan: &Plan) -> Result<(), Error> {
-        if !reads_coefficients(plan) {
+        if !plan.field().reads_coefficients() {
             return Ok(());
         }
-        for object in &plan.objects {
-            let slot = &mut self.coefficients[object.volume];
+        for field in plan.drawn_fields() {
+            let slot = &mut self.coefficients[field.volume];
             if slot.is_none() {
-                let volume = self.volumes[object.volume].b_spline_coefficients()?;
+                let volume = self.volumes[field.volume].b_spline_coefficients()?;
                 let bricks = Bricks::new(&volume);
                 *slot = Some((volume, bricks));
             }
@@ -82,7 +82,7 @@ impl<'v> Data<'v> {
 
     fn read(&self, plan: &Plan, volume: usize) -> (&Volume, &Bricks) {
         match &self.coefficients[volume] {
-            Some((volume, bricks)) if reads_coefficients(plan) => (volume, bricks),
+            Some((volume, bricks)) if plan.field().reads_coefficients() => (volume, bricks),
             _ => (self.volumes[volume], &self.bricks[volume]),
         }
     }
@@ -91,8 +91,8 @@ impl<'v> Data<'v> {
         self.volumes.len()
     }
 
-    pub fn bricks(&self, plan: &Plan, object: usize) -> &Bricks {
-        self.read(plan, plan.objects[object].volume).1
+    pub fn bricks(&self, plan: &Plan, layer: usize) -> &Bricks {
+        self.read(plan, plan.field_of(layer).volume).1
     }
 
     /// Whether every value is finite because the voxels are whole numbers and far from the largest float.
@@ -146,12 +146,12 @@ impl<'v> Data<'v> {
     }
 
     /// value = slope · texel + intercept: slope and intercept.
-    pub fn value_of_texel(&self, plan: &Plan, object: &PlanObject) -> (f64, f64) {
+    pub fn value_of_texel(&self, plan: &Plan, field: &Field) -> (f64, f64) {
         // Coefficients are values.
-        if reads_coefficients(plan) {
+        if plan.field().reads_coefficients() {
             return (1.0, 0.0);
         }
-        (object.rescale.slope, object.rescale.intercept)
+        (field.rescale.slope, field.rescale.intercept)
     }
 }
 
@@ -164,8 +164,4 @@ fn growing(mask: &Volume) -> Result<Cow<'_, Volume>, Error> {
     let values = Samples::F32((0..mask.grid().voxel_count()).map(value).collect());
     let values = Volume::new(*mask.grid(), values, Rescale::IDENTITY, Metadata::default())?;
     Ok(Cow::Owned(values))
-}
-
-fn reads_coefficients(plan: &Plan) -> bool {
-    plan.reconstruct == Reconstruct::BSplineInterpolating && plan.fetch == Fetch::Stored
 }

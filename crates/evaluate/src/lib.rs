@@ -102,7 +102,7 @@ impl<'v> Evaluator<'v> {
         let functions = Functions::of(plan, false, threshold)?;
         let skeleton = ray_loop(&RayLoop {
             volumes: vec![Texels::UnfilterableFloat; data.volumes()],
-            objects: plan.objects.len(),
+            objects: plan.layers.len(),
             is_before_geometry: !plan.meshes.is_empty(),
             is_finite: data.are_finite() && functions.selection.is_built_in(),
         })?;
@@ -146,7 +146,7 @@ impl<'v> Evaluator<'v> {
         let data = ready(&mut self.data, &self.datasets, plan)?;
         Ok(RayLoop {
             volumes: vec![Texels::UnfilterableFloat; data.volumes()],
-            objects: plan.objects.len(),
+            objects: plan.layers.len(),
             is_before_geometry: !plan.meshes.is_empty(),
             is_finite: false,
         })
@@ -311,11 +311,11 @@ impl<'a> Scenery<'a> {
     ) -> Result<Scenery<'a>, Error> {
         let frame = Frame::of(plan);
         let mut objects: Vec<_> = plan
-            .objects
-            .iter()
-            .map(|object| {
-                let (slope, intercept) = data.value_of_texel(plan, object);
-                Object::of(plan, object, slope, intercept)
+            .drawn_fields()
+            .enumerate()
+            .map(|(layer, field)| {
+                let (slope, intercept) = data.value_of_texel(plan, field);
+                Object::of(plan, layer, slope, intercept)
             })
             .collect();
         let entries = tables(plan, &mut objects);

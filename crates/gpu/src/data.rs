@@ -4,7 +4,7 @@ use crate::device::Device;
 use crate::error::Error;
 use crate::geometry::Meshes;
 use crate::volume_texture::{Pages, VolumeTexture};
-use strahl_scene::plan::{ClipShape, Fetch, Plan, PlanObject, Reconstruct};
+use strahl_scene::plan::{ClipShape, Field, Plan};
 use strahl_shader::Texels;
 use strahl_volume::{Datasets, Metadata, Rescale, SampleType, Samples, Volume, bricks::Bricks};
 
@@ -112,14 +112,14 @@ impl<'v> Data<'v> {
                 .then_some(())
                 .ok_or(Error::NoData { what, index, there })
         };
-        for object in &plan.objects {
-            there("volume", object.volume, self.volumes.len())?;
-            let own = self.volumes[object.volume].grid();
-            // An object may be placed elsewhere, but has the voxels of its volume.
-            let is_own = object.is_moved || object.grid == *own;
-            if object.grid.dims() != own.dims() || !is_own {
+        for field in plan.drawn_fields() {
+            there("volume", field.volume, self.volumes.len())?;
+            let own = self.volumes[field.volume].grid();
+            // A field may be placed elsewhere, but has the voxels of its volume.
+            let is_own = field.is_moved || field.grid == *own;
+            if field.grid.dims() != own.dims() || !is_own {
                 return Err(Error::OtherGrid {
-                    plan: object.grid.dims(),
+                    plan: field.grid.dims(),
                     volume: own.dims(),
                 });
             }
@@ -137,13 +137,13 @@ impl<'v> Data<'v> {
 
     /// Makes the coefficients that `plan` reads, if it reads any.
     pub fn make_coefficients(&mut self, device: &Device, plan: &Plan) -> Result<(), Error> {
-        if !reads_coefficients(plan) {
+        if !plan.field().reads_coefficients() {
             return Ok(());
         }
-        for object in &plan.objects {
-            let slot = &mut self.coefficients[object.volume];
+        for field in plan.drawn_fields() {
+            let slot = &mut self.coefficients[field.volume];
             if slot.is_none() {
-                let volume = self.volumes[object.volume].b_spline_coefficients()?;
+                let volume = self.volumes[field.volume].b_spline_coefficients()?;
                 *slot = Some(OnDevice::new(device, &volume, self.most)?);
             }
         }
@@ -152,7 +152,7 @@ impl<'v> Data<'v> {
 
     fn on_device(&self, plan: &Plan, volume: usize) -> &OnDevice {
         match &self.coefficients[volume] {
-            Some(coefficients) if reads_coefficients(plan) => coefficients,
+            Some(coefficients) if plan.field().reads_coefficients() => coefficients,
             _ => &self.stored[volume],
         }
     }
@@ -174,10 +174,10 @@ impl<'v> Data<'v> {
         self.volumes.iter().all(is_finite)
     }
 
-    /// Whether a texture unit interpolates any of the objects' volumes.
+    /// Whether a texture unit interpolates any of the fields' volumes.
     pub fn is_filtered(&self, plan: &Plan) -> bool {
-        plan.objects.iter().any(|object| {
-            let texture = &self.on_device(plan, object.volume).texture;
+        plan.drawn_fields().any(|field| {
+            let texture = &self.on_device(plan, field.volume).texture;
             texture.storage.is_filterable
         })
     }
@@ -186,8 +186,8 @@ impl<'v> Data<'v> {
         &self.on_device(plan, volume).texture.view
     }
 
-    pub fn bricks(&self, plan: &Plan, object: usize) -> &Bricks {
-        &self.on_device(plan, plan.objects[object].volume).bricks
+    pub fn bricks(&self, plan: &Plan, layer: usize) -> &Bricks {
+        &self.on_device(plan, plan.field_of(layer).volume).bricks
     }
 
     pub fn pages(&self, plan: &Plan, volume: usize) -> Option<&Pages> {
@@ -195,22 +195,18 @@ impl<'v> Data<'v> {
     }
 
     /// value = slope · texel + intercept: slope and intercept.
-    pub fn value_of_texel(&self, plan: &Plan, object: &PlanObject) -> (f64, f64) {
+    pub fn value_of_texel(&self, plan: &Plan, field: &Field) -> (f64, f64) {
         // Coefficients are values.
-        let rescale = if reads_coefficients(plan) {
+        let rescale = if plan.field().reads_coefficients() {
             Rescale::IDENTITY
         } else {
-            object.rescale
+            field.rescale
         };
         // stored = scale · texel + shift
-        let storage = &self.on_device(plan, object.volume).texture.storage;
+        let storage = &self.on_device(plan, field.volume).texture.storage;
         (
             rescale.slope * f64::from(storage.scale),
             rescale.slope * f64::from(storage.shift) + rescale.intercept,
         )
     }
-}
-
-fn reads_coefficients(plan: &Plan) -> bool {
-    plan.reconstruct == Reconstruct::BSplineInterpolating && plan.fetch == Fetch::Stored
 }

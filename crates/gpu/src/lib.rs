@@ -161,7 +161,7 @@ impl<'d, 'v> Renderer<'d, 'v> {
         self.data.make_coefficients(self.device, plan)?;
         Ok(RayLoop {
             volumes: self.data.texels(plan),
-            objects: plan.objects.len(),
+            objects: plan.layers.len(),
             is_before_geometry: !plan.meshes.is_empty(),
             is_finite: self.data.are_finite() && plan.modules.is_empty(),
         })
@@ -450,11 +450,11 @@ impl<'d, 'v> Renderer<'d, 'v> {
             ..Frame::of(plan)
         };
         let mut objects: Vec<_> = plan
-            .objects
-            .iter()
-            .map(|object| {
-                let (slope, intercept) = self.data.value_of_texel(plan, object);
-                Object::of(plan, object, slope, intercept)
+            .drawn_fields()
+            .enumerate()
+            .map(|(layer, field)| {
+                let (slope, intercept) = self.data.value_of_texel(plan, field);
+                Object::of(plan, layer, slope, intercept)
             })
             .collect();
         let tables = self.tables(plan, &mut objects);
@@ -579,9 +579,8 @@ impl<'d, 'v> Renderer<'d, 'v> {
     /// The page tables of all paged volumes.
     fn pages(&self, plan: &Plan, objects: &mut [Object]) -> wgpu::TextureView {
         let of_object: Vec<_> = plan
-            .objects
-            .iter()
-            .map(|object| match self.data.pages(plan, object.volume) {
+            .drawn_fields()
+            .map(|field| match self.data.pages(plan, field.volume) {
                 Some(pages) => {
                     let entries = pages.entries.chunks_exact(2);
                     (pages.dims, entries.map(|e| [e[0], e[1]]).collect())

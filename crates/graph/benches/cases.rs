@@ -141,9 +141,11 @@ pub fn tables(compiled: &Compiled, plan: &Plan) -> Vec<Table2d> {
             height: *height,
             texels: texels.clone(),
         },
-        Texture::PreIntegrated { edge } => {
-            pre_integrated(&plan.objects[*object].table, plan.lattice.step_mm, *edge)
-        }
+        Texture::PreIntegrated { edge } => pre_integrated(
+            &plan.technique_of(*object).table,
+            plan.lattice.step_mm,
+            *edge,
+        ),
         Texture::File(path) => panic!("{path} is not read"),
     };
     compiled.textures.iter().map(table).collect()

@@ -28,12 +28,12 @@ pub fn standard(plan: &Plan) -> Result<Graph, Error> {
             ),
         ));
     }
-    if let Composite::Debug(_) = plan.composite {
+    if let Composite::Debug(_) = plan.technique().composite {
         return Err(refused(
             "debug views are no graph; choose another composite",
         ));
     }
-    if plan.objects.len() > 1 && !plan.composite.mixes_objects() {
+    if plan.layers.len() > 1 && !plan.technique().composite.mixes_layers() {
         return Err(refused(
             "several objects are mixed along the ray by emission-absorption and back-to-front only",
         ));
@@ -45,12 +45,12 @@ pub fn standard(plan: &Plan) -> Result<Graph, Error> {
             ..Graph::default()
         },
     };
-    if plan.objects.len() > 1 {
-        graph.several(plan.composite == Composite::BackToFront);
+    if plan.layers.len() > 1 {
+        graph.several(plan.technique().composite == Composite::BackToFront);
         return Ok(graph.graph);
     }
     graph.ray();
-    match plan.composite {
+    match plan.technique().composite {
         Composite::EmissionAbsorption { .. } => graph.emission_absorption(false),
         Composite::BackToFront => graph.emission_absorption(true),
         Composite::Mida { .. } => graph.mida(),
@@ -226,7 +226,7 @@ impl Builder<'_> {
             own("before_shade") + ".opacity",
         );
         let gradient = slot(&own("gradient"), "gradient").input("position", position);
-        match self.plan.shade {
+        match self.plan.technique().shade {
             Shade::Unlit => {}
             Shade::Lit {
                 ambient,
@@ -276,7 +276,7 @@ impl Builder<'_> {
 
     fn is_last_normal_kept(&self) -> bool {
         matches!(
-            self.plan.shade,
+            self.plan.technique().shade,
             Shade::Lit {
                 keep_last_normal: true,
                 ..
@@ -349,7 +349,7 @@ impl Builder<'_> {
     }
 
     fn emission_absorption(&mut self, backwards: bool) {
-        let stop = match self.plan.composite {
+        let stop = match self.plan.technique().composite {
             Composite::EmissionAbsorption {
                 stop_at_transmittance,
             } => Some(stop_at_transmittance),
@@ -401,7 +401,7 @@ impl Builder<'_> {
     /// Several objects on one lattice, which begins where the ray meets the first of them: at every point all
     /// that are there are mixed, none before another.
     fn several(&mut self, backwards: bool) {
-        let objects = self.plan.objects.len();
+        let objects = self.plan.layers.len();
         let own = of_object;
         self.put(pattern("ray", "ray"));
         let mut whole = String::new();
@@ -447,7 +447,7 @@ impl Builder<'_> {
                     .input("entry_at_mm", "entry_at"),
             );
         }
-        let stop = match self.plan.composite {
+        let stop = match self.plan.technique().composite {
             Composite::EmissionAbsorption {
                 stop_at_transmittance,
             } => Some(stop_at_transmittance),
@@ -688,7 +688,7 @@ impl Builder<'_> {
             high,
             blend,
             stop_at_transmittance,
-        } = self.plan.composite
+        } = self.plan.technique().composite
         else {
             return;
         };

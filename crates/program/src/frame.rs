@@ -2,7 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DAffine3, DVec3};
-use strahl_scene::plan::{Plan, PlanObject, Projection};
+use strahl_scene::plan::{Plan, Projection};
 
 /// The struct `Frame` of the ray loop up to its objects, byte for byte.
 #[repr(C)]
@@ -105,15 +105,15 @@ impl Frame {
 }
 
 impl Object {
-    /// Object `object` of `plan`, whose values are slope · texel + intercept. Where its table, bricks and
+    /// Layer number `layer` of `plan`, whose values are slope · texel + intercept. Where its table, bricks and
     /// pages begin is left 0.
-    pub fn of(plan: &Plan, object: &PlanObject, slope: f64, intercept: f64) -> Object {
-        let table = &object.table;
+    pub fn of(plan: &Plan, layer: usize, slope: f64, intercept: f64) -> Object {
+        let (field, table) = (plan.field_of(layer), &plan.technique_of(layer).table);
         Object {
-            voxel_from_world: rows(&object.grid.voxel_from_world()),
-            world_from_voxel: rows(&object.grid.world_from_voxel()),
-            dims: object.grid.dims().map(|n| n as u32),
-            volume: object.volume as u32,
+            voxel_from_world: rows(&field.grid.voxel_from_world()),
+            world_from_voxel: rows(&field.grid.world_from_voxel()),
+            dims: field.grid.dims().map(|n| n as u32),
+            volume: field.volume as u32,
             bricks_first: [0; 3],
             table_first: 0,
             pages_first: [0; 3],

@@ -99,7 +99,7 @@ impl Functions {
             let values = vec![
                 ("normal", vector(clip.normal)),
                 ("offset_mm", vec![clip.offset_mm]),
-                ("objects", vec![f64::from(clip.objects)]),
+                ("objects", vec![f64::from(clip.layers)]),
             ];
             self.put("clip_ray", "plane", values)?;
         }
@@ -125,7 +125,7 @@ impl Functions {
                 ("unit_from_world_y", row(1)),
                 ("unit_from_world_z", row(2)),
                 ("keep_inside", vec![f64::from(u8::from(clip.keep_inside))]),
-                ("objects", vec![f64::from(clip.objects)]),
+                ("objects", vec![f64::from(clip.layers)]),
             ];
             let name = match clip.shape {
                 ClipShape::Box => "box",
@@ -143,7 +143,7 @@ impl Functions {
     }
 
     fn sample(&mut self, plan: &Plan, is_filtered: bool) -> Result<(), Error> {
-        let (fetch, values) = match plan.fetch {
+        let (fetch, values) = match plan.field().fetch {
             Fetch::Stored => ("texture", vec![]),
             Fetch::MarschnerLobb { frequency, alpha } => (
                 "marschner_lobb",
@@ -165,8 +165,8 @@ impl Functions {
         self.put("fetch", fetch, values)?;
         // The texture unit knows what is stored only.
         let has_own_fetch = plan.modules.iter().any(|m| m.module.slot().name == "fetch");
-        let filtered = is_filtered && plan.fetch == Fetch::Stored && !has_own_fetch;
-        let reconstruct = match plan.reconstruct {
+        let filtered = is_filtered && plan.field().fetch == Fetch::Stored && !has_own_fetch;
+        let reconstruct = match plan.field().reconstruct {
             Reconstruct::Nearest => "nearest",
             Reconstruct::Trilinear if filtered => "trilinear_sampler",
             Reconstruct::Trilinear => "trilinear",
@@ -178,7 +178,7 @@ impl Functions {
             Reconstruct::CatmullRom => "catmull_rom",
         };
         self.put("reconstruct", reconstruct, vec![])?;
-        let (classify, values) = match plan.classify {
+        let (classify, values) = match plan.technique().classify {
             Classify::Table => ("table", vec![]),
             Classify::Identity { black, white } => (
                 "identity",
@@ -209,12 +209,12 @@ impl Functions {
             Classify::PreClassified => ("pre_classified", vec![]),
         };
         self.put("classify", classify, values)?;
-        let input = match plan.gradient.input {
+        let input = match plan.technique().gradient_input {
             GradientInput::Value => "value",
             GradientInput::Opacity => "opacity",
         };
         self.put("gradient_input", input, vec![])?;
-        let method = match plan.gradient.method {
+        let method = match plan.field().gradient {
             GradientMethod::Forward => "forward",
             GradientMethod::Backward => "backward",
             GradientMethod::Central => "central",
@@ -226,7 +226,7 @@ impl Functions {
     }
 
     fn light(&mut self, plan: &Plan) -> Result<(), Error> {
-        let (ambient, illuminate, keep_last_normal) = match plan.shade {
+        let (ambient, illuminate, keep_last_normal) = match plan.technique().shade {
             Shade::Unlit => return Ok(()),
             Shade::GradientOpacity { full_per_mm } => {
                 let values = vec![("full_per_mm", one(full_per_mm))];
@@ -310,7 +310,7 @@ impl Functions {
     }
 
     fn composite(&mut self, plan: &Plan) -> Result<(), Error> {
-        let (name, values) = match plan.composite {
+        let (name, values) = match plan.technique().composite {
             Composite::EmissionAbsorption {
                 stop_at_transmittance,
             } => (

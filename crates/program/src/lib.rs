@@ -47,10 +47,10 @@ pub fn program(plan: &Plan) -> Result<Arc<Program>, Error> {
 
 /// The ray loop of `plan` over volumes that are all read in the same way.
 pub fn loop_of(plan: &Plan, texels: Texels) -> RayLoop {
-    let volumes = plan.objects.iter().map(|object| object.volume + 1).max();
+    let volumes = plan.drawn_fields().map(|field| field.volume + 1).max();
     RayLoop {
         volumes: vec![texels; volumes.unwrap_or(1)],
-        objects: plan.objects.len(),
+        objects: plan.layers.len(),
         is_before_geometry: !plan.meshes.is_empty(),
         is_finite: false,
     }

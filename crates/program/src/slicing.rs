@@ -6,7 +6,7 @@
 //! slice; how that joins what is there already is the [`Blend`], which fixed-function hardware does on a
 //! graphics processor, and [`Blend::blended`] elsewhere.
 
-use strahl_scene::plan::{Plan, PlanObject, Projection};
+use strahl_scene::plan::{Field, Plan, Projection};
 
 /// Slices in one picture.
 pub const MOST_SLICES: u32 = 65_536;
@@ -245,7 +245,7 @@ impl Slices {
         if plan.with_depth {
             return Err(SlicingError::Depth);
         }
-        let depths = plan.objects.iter().flat_map(|object| depths(plan, object));
+        let depths = plan.drawn_fields().flat_map(|field| depths(plan, field));
         let (near, far) = depths.fold((f64::INFINITY, f64::NEG_INFINITY), |(near, far), depth| {
             (near.min(depth), far.max(depth))
         });
@@ -288,10 +288,10 @@ impl Slices {
     }
 }
 
-/// How far in front of the eye the corners of an object's sampled extent lie.
-fn depths(plan: &Plan, object: &PlanObject) -> [f64; 8] {
-    let world_from_voxel = object.grid.world_from_voxel();
-    let dims = object.grid.dims();
+/// How far in front of the eye the corners of a field's sampled extent lie.
+fn depths(plan: &Plan, field: &Field) -> [f64; 8] {
+    let world_from_voxel = field.grid.world_from_voxel();
+    let dims = field.grid.dims();
     std::array::from_fn(|corner| {
         let end = |axis: usize| match corner >> axis & 1 {
             0 => -0.5,
@@ -370,7 +370,7 @@ mod tests {
             );
             let step_mm = plan.lattice.step_mm;
             let last = f64::from(forth.first + forth.count as i32 - 1) * step_mm;
-            for depth in depths(&plan, &plan.objects[0]) {
+            for depth in depths(&plan, plan.field()) {
                 assert!(f64::from(forth.first) * step_mm <= depth && depth <= last);
             }
             assert!(forth.count < 60, "{forth:?}");

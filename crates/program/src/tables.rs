@@ -20,9 +20,9 @@ pub struct Table2d {
 /// row on; tells `objects` where theirs begins.
 pub fn tables(plan: &Plan, objects: &mut [Object]) -> Vec<[f32; 4]> {
     let mut entries = Vec::new();
-    for (planned, object) in plan.objects.iter().zip(objects) {
+    for (layer, object) in objects.iter_mut().enumerate() {
         object.table_first = entries.len() as u32;
-        entries.extend_from_slice(planned.table.entries());
+        entries.extend_from_slice(plan.technique_of(layer).table.entries());
         entries.resize(entries.len().next_multiple_of(TABLE_ROW as usize), [0.0; 4]);
     }
     entries

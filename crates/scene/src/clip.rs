@@ -1,6 +1,6 @@
 //! Planes, boxes, masks and the like that cut parts away, as people write them.
 
-use crate::plan::{ALL_OBJECTS, ClipPlane, ClipShape, MOST_MASKS, ObjectSet, SampleClip};
+use crate::plan::{ALL_LAYERS, ClipPlane, ClipShape, LayerSet, MOST_MASKS, SampleClip};
 use crate::problem::{Checker, Problems, Within};
 use glam::{DAffine3, DMat3, DQuat, DVec3, EulerRot};
 use schemars::JsonSchema;
@@ -183,11 +183,11 @@ impl Clip {
         let (kind, shape, clip) = match self {
             Clip::Plane(plane) => {
                 let path = format!("{path}.plane");
-                let objects = objects(&path, &plane.objects, places.names, checker);
+                let layers = layers(&path, &plane.objects, places.names, checker);
                 let plane = plane.plan(&path, checker);
                 clips
                     .planes
-                    .extend(plane.map(|plane| ClipPlane { objects, ..plane }));
+                    .extend(plane.map(|plane| ClipPlane { layers, ..plane }));
                 return;
             }
             Clip::Mask(mask) => {
@@ -199,7 +199,7 @@ impl Clip {
             Clip::Cylinder(clip) => ("cylinder", ClipShape::Cylinder, clip),
         };
         let path = format!("{path}.{kind}");
-        let objects = objects(&path, &clip.objects, places.names, checker);
+        let layers = layers(&path, &clip.objects, places.names, checker);
         let Some(unit_from_world) = clip.plan(&path, places.grid, checker) else {
             return;
         };
@@ -209,7 +209,7 @@ impl Clip {
                 shape,
                 unit_from_world,
                 keep_inside,
-                objects,
+                layers,
             });
             return;
         }
@@ -225,28 +225,28 @@ impl Clip {
                 clips.planes.push(ClipPlane {
                     normal: side * row / length,
                     offset_mm: (0.5 + side * shift) / length,
-                    objects,
+                    layers,
                 });
             }
         }
     }
 }
 
-/// The objects that have these names.
-fn objects(
+/// The layers of the objects that have these names.
+fn layers(
     path: &str,
     wanted: &Option<Vec<String>>,
     names: &[Option<String>],
     checker: &mut Checker,
-) -> ObjectSet {
+) -> LayerSet {
     let Some(wanted) = wanted else {
-        return ALL_OBJECTS;
+        return ALL_LAYERS;
     };
     let known: Vec<&str> = names.iter().flatten().map(String::as_str).collect();
     let mut set = 0;
     for (i, name) in wanted.iter().enumerate() {
         match names.iter().position(|known| known.as_ref() == Some(name)) {
-            Some(object) => set |= 1 << object,
+            Some(layer) => set |= 1 << layer,
             None => checker.add(
                 format!("{path}.objects[{i}]"),
                 format!("{name:?}"),
@@ -289,7 +289,7 @@ impl MaskClip {
     }
 
     fn plan(&self, path: &str, places: &ClipPlaces, checker: &mut Checker, clips: &mut PlanClips) {
-        let objects = objects(path, &self.objects, places.names, checker);
+        let layers = layers(path, &self.objects, places.names, checker);
         if self.labels.as_ref().is_some_and(Vec::is_empty) {
             checker.add(format!("{path}.labels"), "empty", "one label or more");
         }
@@ -336,7 +336,7 @@ impl MaskClip {
             },
             unit_from_world: (grid.world_from_voxel() * voxel_from_unit).inverse(),
             keep_inside: self.keep != Some(Keep::Outside),
-            objects,
+            layers,
         });
     }
 }
@@ -404,7 +404,7 @@ impl PlaneClip {
         (checker.problems.len() == before).then_some(ClipPlane {
             normal,
             offset_mm,
-            objects: ALL_OBJECTS,
+            layers: ALL_LAYERS,
         })
     }
 }

@@ -115,7 +115,9 @@ pub(crate) fn apply(
         }
         if function.is_file() {
             plan.modules.push(PlanModule { module, values });
-        } else if let Err(why) = settle(&module, &values, plan) {
+        } else if let Err(why) =
+            (0..plan.layers.len()).try_for_each(|layer| settle(&module, &values, plan, layer))
+        {
             checker.add(
                 format!("{path}.module"),
                 format!("{:?}", function.module),
@@ -162,12 +164,23 @@ fn values(
     values
 }
 
-/// Says a function of the library in the words of the plan.
+/// Says a function of the library in the words of layer number `layer` of the plan.
 fn settle(
     module: &Module,
     values: &[(String, Vec<f64>)],
     plan: &mut Plan,
+    layer: usize,
 ) -> Result<(), &'static str> {
+    let Plan {
+        fields,
+        techniques,
+        layers,
+        lattice,
+        lights,
+        ..
+    } = plan;
+    let field = &mut fields[layers[layer].field];
+    let technique = &mut techniques[layers[layer].technique];
     let number = |name: &str| -> f32 {
         let given = values
             .iter()
@@ -188,39 +201,41 @@ fn settle(
             .ok_or("parameters whose two ends differ")
     };
     match (module.slot().name, module.name()) {
-        ("fetch", "texture") => plan.fetch = Fetch::Stored,
+        ("fetch", "texture") => field.fetch = Fetch::Stored,
         ("fetch", "marschner_lobb") => {
-            plan.fetch = Fetch::MarschnerLobb {
+            field.fetch = Fetch::MarschnerLobb {
                 frequency: number("frequency"),
                 alpha: number("alpha"),
             };
         }
         ("fetch", "noise") => {
-            plan.fetch = Fetch::Noise {
+            field.fetch = Fetch::Noise {
                 cell_voxels: number("cell_voxels"),
                 octaves: number("octaves") as u32,
                 seed: number("seed") as u32,
             };
         }
-        ("reconstruct", "nearest") => plan.reconstruct = Reconstruct::Nearest,
+        ("reconstruct", "nearest") => field.reconstruct = Reconstruct::Nearest,
         ("reconstruct", "trilinear" | "trilinear_sampler") => {
-            plan.reconstruct = Reconstruct::Trilinear
+            field.reconstruct = Reconstruct::Trilinear
         }
-        ("reconstruct", "b_spline" | "b_spline_sampler") => plan.reconstruct = Reconstruct::BSpline,
-        ("reconstruct", "catmull_rom") => plan.reconstruct = Reconstruct::CatmullRom,
-        ("jitter", "hash") => plan.lattice.jitter = Jitter::Hash(number("seed") as u32),
-        ("jitter", "sine_hash") => plan.lattice.jitter = Jitter::SineHash,
-        ("jitter", "tile") => plan.lattice.jitter = Jitter::BlueTile(0),
-        ("classify", "table") => plan.classify = Classify::Table,
+        ("reconstruct", "b_spline" | "b_spline_sampler") => {
+            field.reconstruct = Reconstruct::BSpline
+        }
+        ("reconstruct", "catmull_rom") => field.reconstruct = Reconstruct::CatmullRom,
+        ("jitter", "hash") => lattice.jitter = Jitter::Hash(number("seed") as u32),
+        ("jitter", "sine_hash") => lattice.jitter = Jitter::SineHash,
+        ("jitter", "tile") => lattice.jitter = Jitter::BlueTile(0),
+        ("classify", "table") => technique.classify = Classify::Table,
         ("classify", "identity") => {
             let (black, white) = (number("black"), number("white"));
             unequal(black, white)?;
-            plan.classify = Classify::Identity { black, white };
+            technique.classify = Classify::Identity { black, white };
         }
         ("classify", "threshold") => {
             let (black, white) = (number("black"), number("white"));
             unequal(black, white)?;
-            plan.classify = Classify::Threshold {
+            technique.classify = Classify::Threshold {
                 threshold: number("threshold"),
                 black,
                 white,
@@ -231,16 +246,16 @@ fn settle(
             (low_per_mm < high_per_mm)
                 .then_some(())
                 .ok_or("low_per_mm below high_per_mm")?;
-            plan.classify = Classify::GradientTable {
+            technique.classify = Classify::GradientTable {
                 low_per_mm,
                 high_per_mm,
             };
         }
-        ("classify", "pre_classified") => plan.classify = Classify::PreClassified,
-        ("gradient_input", "value") => plan.gradient.input = GradientInput::Value,
-        ("gradient_input", "opacity") => plan.gradient.input = GradientInput::Opacity,
+        ("classify", "pre_classified") => technique.classify = Classify::PreClassified,
+        ("gradient_input", "value") => technique.gradient_input = GradientInput::Value,
+        ("gradient_input", "opacity") => technique.gradient_input = GradientInput::Opacity,
         ("gradient", name) => {
-            plan.gradient.method = match name {
+            field.gradient = match name {
                 "forward" => GradientMethod::Forward,
                 "backward" => GradientMethod::Backward,
                 "central" => GradientMethod::Central,
@@ -272,7 +287,7 @@ fn settle(
                 },
                 _ => return Err(BY_KEY),
             };
-            match &mut plan.shade {
+            match &mut technique.shade {
                 Shade::Lit { illuminate, .. } => *illuminate = chosen,
                 _ => {
                     return Err(
@@ -281,7 +296,7 @@ fn settle(
                 }
             }
         }
-        ("shade", name @ ("lit" | "lit_last_normal")) => match &mut plan.shade {
+        ("shade", name @ ("lit" | "lit_last_normal")) => match &mut technique.shade {
             Shade::Lit {
                 ambient,
                 keep_last_normal,
@@ -297,29 +312,29 @@ fn settle(
             }
         },
         ("shade", "gradient_opacity") => {
-            plan.shade = Shade::GradientOpacity {
+            technique.shade = Shade::GradientOpacity {
                 full_per_mm: number("full_per_mm"),
             };
-            plan.lights.clear();
+            lights.clear();
         }
         ("composite", "front_to_back") => {
-            plan.composite = Composite::EmissionAbsorption {
+            technique.composite = Composite::EmissionAbsorption {
                 stop_at_transmittance: number("stop_at_transmittance"),
             };
         }
-        ("composite", "back_to_front") => plan.composite = Composite::BackToFront,
-        ("composite", "maximum") => plan.composite = Composite::Mip,
-        ("composite", "minimum") => plan.composite = Composite::MinIp,
-        ("composite", "average") => plan.composite = Composite::Average,
+        ("composite", "back_to_front") => technique.composite = Composite::BackToFront,
+        ("composite", "maximum") => technique.composite = Composite::Mip,
+        ("composite", "minimum") => technique.composite = Composite::MinIp,
+        ("composite", "average") => technique.composite = Composite::Average,
         ("composite", "gradient_maximum") => {
-            plan.composite = Composite::Gmip {
+            technique.composite = Composite::Gmip {
                 white_per_mm: number("white_per_mm"),
             };
         }
         ("composite", "mida") => {
             let (low, high) = (number("low"), number("high"));
             unequal(low, high)?;
-            plan.composite = Composite::Mida {
+            technique.composite = Composite::Mida {
                 low,
                 high,
                 blend: number("blend"),
@@ -327,7 +342,7 @@ fn settle(
             };
         }
         ("composite", "first_hit") => {
-            plan.composite = Composite::FirstHit {
+            technique.composite = Composite::FirstHit {
                 threshold: f64::from(number("threshold")),
             };
         }
@@ -350,7 +365,7 @@ fn settle(
                 }
                 _ => return Err(BY_KEY),
             };
-            plan.composite = Composite::Debug(view);
+            technique.composite = Composite::Debug(view);
         }
         _ => return Err(BY_KEY),
     }

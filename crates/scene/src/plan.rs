@@ -20,29 +20,21 @@ pub struct Plan {
     pub height: u32,
     /// Where the rays start and go.
     pub camera: PlanCamera,
-    /// The volumes that are drawn, 1 to [`MOST_OBJECTS`]; more than one only with composites that
-    /// [mix](Composite::mixes_objects).
-    pub objects: Vec<PlanObject>,
+    /// What can be sampled, at least one.
+    pub fields: Vec<Field>,
+    /// How it can be drawn, at least one.
+    pub techniques: Vec<Technique>,
+    /// Which fields are drawn by which techniques, 1 to [`MOST_LAYERS`]; more than one only with composites
+    /// that [mix](Composite::mixes_layers).
+    pub layers: Vec<Layer>,
     /// Opaque surfaces among them, any number.
     pub meshes: Vec<PlanMesh>,
     /// Where along the ray samples lie.
     pub lattice: Lattice,
     /// Which points of the lattice, or between them, are looked at.
     pub sampling: Sampling,
-    /// What a voxel holds.
-    pub fetch: Fetch,
-    /// How a value between voxels is found.
-    pub reconstruct: Reconstruct,
-    /// Value → colour and opacity.
-    pub classify: Classify,
-    /// How the gradient is found.
-    pub gradient: Gradient,
-    /// How a sample's colour follows from its surface colour, gradient and the lights.
-    pub shade: Shade,
     /// The lights, none if unlit and without meshes.
     pub lights: Vec<PlanLight>,
-    /// How the samples of a ray become a pixel.
-    pub composite: Composite,
     /// Half-spaces that rays are cut to before the lattice is laid.
     pub ray_clips: Vec<ClipPlane>,
     /// Shapes that drop single samples.
@@ -63,31 +55,113 @@ pub struct Plan {
     pub display: Display,
 }
 
-/// Volumes in one picture: a bit each in [`ObjectSet`], a texture each on a GPU.
-pub const MOST_OBJECTS: usize = 8;
+/// Layers in one picture: a bit each in [`LayerSet`], a texture each on a GPU.
+pub const MOST_LAYERS: usize = 8;
 
 /// Masks in one picture.
 pub const MOST_MASKS: usize = 4;
 
-/// A set of objects: bit i is object i.
-pub type ObjectSet = u32;
+/// A set of layers: bit i is layer i.
+pub type LayerSet = u32;
 
-/// Every object.
-pub const ALL_OBJECTS: ObjectSet = ObjectSet::MAX;
+/// Every layer.
+pub const ALL_LAYERS: LayerSet = LayerSet::MAX;
 
-/// A volume in the picture.
-#[derive(Clone, Debug)]
-pub struct PlanObject {
-    /// Which of the volumes; several objects may show the same.
+/// What can be sampled: a volume at its place, and how values and gradients are read from it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Field {
+    /// Which of the volumes; several fields may read the same.
     pub volume: usize,
-    /// Where its voxels lie in the world, with the object's transforms.
+    /// Where its voxels lie in the world, with all transforms.
     pub grid: Grid,
     /// Whether there are transforms: without, `grid` is the volume's own.
     pub is_moved: bool,
     /// What a stored number means.
     pub rescale: Rescale,
+    /// What a voxel holds.
+    pub fetch: Fetch,
+    /// How a value between voxels is found.
+    pub reconstruct: Reconstruct,
+    /// How the gradient is found.
+    pub gradient: GradientMethod,
+}
+
+/// How values are drawn, whatever they are values of.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Technique {
+    /// Value → colour and opacity.
+    pub classify: Classify,
     /// Its transfer function.
     pub table: TransferTable,
+    /// What the gradient is taken of.
+    pub gradient_input: GradientInput,
+    /// How a sample's colour follows from its surface colour, gradient and the lights.
+    pub shade: Shade,
+    /// How samples in a row become one.
+    pub composite: Composite,
+}
+
+/// A field in the picture, drawn by a technique.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Layer {
+    /// Which of the fields.
+    pub field: usize,
+    /// Which of the techniques.
+    pub technique: usize,
+}
+
+impl Field {
+    /// Whether it is reconstructed from B-spline coefficients, which are values, instead of its volume.
+    pub fn reads_coefficients(&self) -> bool {
+        self.reconstruct == Reconstruct::BSplineInterpolating && self.fetch == Fetch::Stored
+    }
+}
+
+impl Plan {
+    /// The field of the first layer: the only one of most pictures.
+    pub fn field(&self) -> &Field {
+        self.field_of(0)
+    }
+
+    /// [`field`](Self::field), to be changed.
+    pub fn field_mut(&mut self) -> &mut Field {
+        &mut self.fields[self.layers[0].field]
+    }
+
+    /// The field that layer number `layer` shows.
+    pub fn field_of(&self, layer: usize) -> &Field {
+        &self.fields[self.layers[layer].field]
+    }
+
+    /// The fields of the layers, in their order.
+    pub fn drawn_fields(&self) -> impl Iterator<Item = &Field> {
+        self.layers.iter().map(|layer| &self.fields[layer.field])
+    }
+
+    /// The technique of the first layer: the only one of most pictures.
+    pub fn technique(&self) -> &Technique {
+        self.technique_of(0)
+    }
+
+    /// [`technique`](Self::technique), to be changed.
+    pub fn technique_mut(&mut self) -> &mut Technique {
+        &mut self.techniques[self.layers[0].technique]
+    }
+
+    /// The technique that draws layer number `layer`.
+    pub fn technique_of(&self, layer: usize) -> &Technique {
+        &self.techniques[self.layers[layer].technique]
+    }
+
+    /// Adds a layer that shows `field` by `technique`.
+    pub fn add_layer(&mut self, field: Field, technique: Technique) {
+        self.layers.push(Layer {
+            field: self.fields.len(),
+            technique: self.techniques.len(),
+        });
+        self.fields.push(field);
+        self.techniques.push(technique);
+    }
 }
 
 /// An opaque surface of triangles, seen from both sides.
@@ -332,7 +406,7 @@ pub enum Reconstruct {
 /// Value → colour and opacity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Classify {
-    /// The object's transfer function.
+    /// The technique's transfer function.
     Table,
     /// The value itself as grey and opacity.
     Identity {
@@ -350,7 +424,7 @@ pub enum Classify {
         /// The value that is white; not `black`.
         white: f32,
     },
-    /// The object's transfer function, its opacity times a ramp over the gradient magnitude: a
+    /// The technique's transfer function, its opacity times a ramp over the gradient magnitude: a
     /// two-dimensional transfer function as a product.
     GradientTable {
         /// Where the ramp is 0.
@@ -363,16 +437,7 @@ pub enum Classify {
     PreClassified,
 }
 
-/// How the gradient (in world space, per mm) is found.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Gradient {
-    /// The estimate.
-    pub method: GradientMethod,
-    /// Of what.
-    pub input: GradientInput,
-}
-
-/// An estimate of the gradient: differences of the input along the voxel axes, turned into world
+/// An estimate of the gradient (in world space, per mm): differences of the input along the voxel axes, turned into world
 /// space by the inverse transpose of `world_from_voxel`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum GradientMethod {
@@ -528,8 +593,8 @@ pub enum Composite {
 }
 
 impl Composite {
-    /// Whether several objects can be drawn by it: it adds up looks of samples, not values.
-    pub fn mixes_objects(self) -> bool {
+    /// Whether several layers can be drawn by it: it adds up looks of samples, not values.
+    pub fn mixes_layers(self) -> bool {
         matches!(
             self,
             Composite::EmissionAbsorption { .. } | Composite::BackToFront
@@ -575,8 +640,8 @@ pub struct ClipPlane {
     pub normal: DVec3,
     /// Signed distance of the world's origin from the plane.
     pub offset_mm: f64,
-    /// Which objects it cuts.
-    pub objects: ObjectSet,
+    /// Which layers it cuts.
+    pub layers: LayerSet,
 }
 
 /// Drops the samples inside a shape, or those outside it.
@@ -588,14 +653,14 @@ pub struct SampleClip {
     pub unit_from_world: DAffine3,
     /// Whether the inside is kept (else the outside).
     pub keep_inside: bool,
-    /// Which objects it cuts.
-    pub objects: ObjectSet,
+    /// Which layers it cuts.
+    pub layers: LayerSet,
 }
 
 impl SampleClip {
-    /// Whether it cuts object number `object`.
-    pub fn cuts(&self, object: usize) -> bool {
-        self.objects >> object & 1 == 1
+    /// Whether it cuts layer number `layer`.
+    pub fn cuts(&self, layer: usize) -> bool {
+        self.layers >> layer & 1 == 1
     }
 }
 

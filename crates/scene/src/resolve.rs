@@ -3,12 +3,13 @@
 use crate::clip::{ClipPlaces, PlanClips};
 use crate::object::{self, OWN_VOLUME, placements};
 use crate::plan::{
-    Classify, Composite, Compositing as PlanCompositing, DebugView as PlanDebugView, Fetch,
-    Gradient as PlanGradient, GradientInput as PlanGradientInput,
-    GradientMethod as PlanGradientMethod, Illuminate, Jitter as PlanJitter, Lattice, MOST_OBJECTS,
-    Plan, PlanMesh, PlanObject, Reconstruct as PlanReconstruct, Shade,
+    Classify, Composite, Compositing as PlanCompositing, DebugView as PlanDebugView, Fetch, Field,
+    GradientInput as PlanGradientInput, GradientMethod as PlanGradientMethod, Illuminate,
+    Jitter as PlanJitter, Lattice, MOST_LAYERS, Plan, PlanMesh, Reconstruct as PlanReconstruct,
+    Shade, Technique,
 };
 use crate::problem::{Checker, Number, Within};
+use crate::transfer::TransferTable;
 use crate::window::otsu_threshold;
 use crate::{
     Background, Color, Compositing, DebugView, Gradient, GradientInput, GradientMethod, Headers,
@@ -476,7 +477,7 @@ pub fn resolve_with(scene: &Scene, headers: &Headers) -> Result<Plan, Problems> 
         Compositing::Linear => PlanCompositing::Linear,
         Compositing::Display => PlanCompositing::Display,
     };
-    let objects = plan_objects(&settled, headers, &places, compositing, &mut checker);
+    let tables = plan_tables(&settled, headers, &places, compositing, &mut checker);
     let shading = settled.shading.unwrap_or_default();
     let shade = plan_shade(method, shading, &mut checker);
     let camera = settled
@@ -533,7 +534,7 @@ pub fn resolve_with(scene: &Scene, headers: &Headers) -> Result<Plan, Problems> 
     let meshes = plan_meshes(&settled, headers, &places, compositing, &mut checker);
     let display = settled.display.unwrap_or_default().plan(&mut checker);
 
-    let (Some(objects), Some(camera)) = (objects, camera) else {
+    let (Some(tables), Some(camera)) = (tables, camera) else {
         // Both report a problem when they fail.
         Problems::none_of(checker.problems)?;
         return Err(Problems::one(Problem::new(
@@ -546,7 +547,9 @@ pub fn resolve_with(scene: &Scene, headers: &Headers) -> Result<Plan, Problems> 
         width: size[0],
         height: size[1],
         camera,
-        objects,
+        fields: Vec::new(),
+        techniques: Vec::new(),
+        layers: Vec::new(),
         meshes,
         lattice: Lattice {
             step_mm,
@@ -560,24 +563,7 @@ pub fn resolve_with(scene: &Scene, headers: &Headers) -> Result<Plan, Problems> 
             frames,
         },
         sampling,
-        fetch: Fetch::Stored,
-        reconstruct: match settled.reconstruct.unwrap_or(Reconstruct::Trilinear) {
-            Reconstruct::Nearest => PlanReconstruct::Nearest,
-            Reconstruct::Trilinear => PlanReconstruct::Trilinear,
-            Reconstruct::BSpline => PlanReconstruct::BSpline,
-            Reconstruct::BSplineInterpolating => PlanReconstruct::BSplineInterpolating,
-            Reconstruct::CatmullRom => PlanReconstruct::CatmullRom,
-        },
-        classify: if scene.quality == Some(Quality::Minimum) && !method.is_projection() {
-            let [black, white] = identity_range(header);
-            Classify::Identity { black, white }
-        } else {
-            Classify::Table
-        },
-        gradient: plan_gradient(settled.gradient.unwrap_or_default()),
-        shade,
         lights,
-        composite,
         ray_clips: clips.planes,
         sample_clips: clips.shapes,
         modules: Vec::new(),
@@ -586,6 +572,23 @@ pub fn resolve_with(scene: &Scene, headers: &Headers) -> Result<Plan, Problems> 
         with_depth: false,
         display,
     };
+    let classify = if scene.quality == Some(Quality::Minimum) && !method.is_projection() {
+        let [black, white] = identity_range(header);
+        Classify::Identity { black, white }
+    } else {
+        Classify::Table
+    };
+    let gradient_input = plan_gradient_input(settled.gradient.unwrap_or_default());
+    for (field, table) in plan_fields(&settled, headers, &places).zip(tables) {
+        let technique = Technique {
+            classify,
+            table,
+            gradient_input,
+            shade,
+            composite,
+        };
+        plan.add_layer(field, technique);
+    }
     if let Some(functions) = &settled.functions {
         function::apply(functions, &headers.modules, &mut plan, &mut checker);
     }
@@ -596,15 +599,15 @@ pub fn resolve_with(scene: &Scene, headers: &Headers) -> Result<Plan, Problems> 
 
 /// What is wrong only in its combination.
 fn check_together(plan: &Plan, checker: &mut Checker) {
-    if plan.objects.len() > 1 && !plan.composite.mixes_objects() {
+    if plan.layers.len() > 1 && !plan.technique().composite.mixes_layers() {
         checker.add(
             "method",
             "one that draws a single number per ray, with several volumes",
             "emission-absorption: values of different volumes cannot be compared; or one volume",
         );
     }
-    if plan.gradient.input == PlanGradientInput::Opacity
-        && matches!(plan.classify, Classify::GradientTable { .. })
+    if plan.technique().gradient_input == PlanGradientInput::Opacity
+        && matches!(plan.technique().classify, Classify::GradientTable { .. })
     {
         checker.add(
             "gradient.of",
@@ -621,40 +624,78 @@ fn identity_range(header: &VolumeHeader) -> [f32; 2] {
     if lo < hi { [lo, hi] } else { [lo, lo + 1.0] }
 }
 
-fn plan_gradient(gradient: Gradient) -> PlanGradient {
-    PlanGradient {
-        method: match gradient.method.unwrap_or(GradientMethod::Central) {
-            GradientMethod::Forward => PlanGradientMethod::Forward,
-            GradientMethod::Backward => PlanGradientMethod::Backward,
-            GradientMethod::Central => PlanGradientMethod::Central,
-            GradientMethod::Central9 => PlanGradientMethod::Central9,
-            GradientMethod::Sobel => PlanGradientMethod::Sobel,
-            GradientMethod::BSpline => PlanGradientMethod::BSpline,
-        },
-        input: match gradient.of.unwrap_or(GradientInput::Value) {
-            GradientInput::Value => PlanGradientInput::Value,
-            GradientInput::Opacity => PlanGradientInput::Opacity,
-        },
+fn plan_gradient_method(gradient: Gradient) -> PlanGradientMethod {
+    match gradient.method.unwrap_or(GradientMethod::Central) {
+        GradientMethod::Forward => PlanGradientMethod::Forward,
+        GradientMethod::Backward => PlanGradientMethod::Backward,
+        GradientMethod::Central => PlanGradientMethod::Central,
+        GradientMethod::Central9 => PlanGradientMethod::Central9,
+        GradientMethod::Sobel => PlanGradientMethod::Sobel,
+        GradientMethod::BSpline => PlanGradientMethod::BSpline,
     }
 }
 
-fn plan_objects(
+fn plan_gradient_input(gradient: Gradient) -> PlanGradientInput {
+    match gradient.of.unwrap_or(GradientInput::Value) {
+        GradientInput::Value => PlanGradientInput::Value,
+        GradientInput::Opacity => PlanGradientInput::Opacity,
+    }
+}
+
+fn plan_reconstruct(reconstruct: Option<Reconstruct>) -> PlanReconstruct {
+    match reconstruct.unwrap_or(Reconstruct::Trilinear) {
+        Reconstruct::Nearest => PlanReconstruct::Nearest,
+        Reconstruct::Trilinear => PlanReconstruct::Trilinear,
+        Reconstruct::BSpline => PlanReconstruct::BSpline,
+        Reconstruct::BSplineInterpolating => PlanReconstruct::BSplineInterpolating,
+        Reconstruct::CatmullRom => PlanReconstruct::CatmullRom,
+    }
+}
+
+/// What the volumes that are drawn are as fields, in their order.
+fn plan_fields<'a>(
+    settled: &Scene,
+    headers: &'a Headers,
+    places: &'a Places,
+) -> impl Iterator<Item = Field> + use<'a> {
+    let reconstruct = plan_reconstruct(settled.reconstruct);
+    let gradient = plan_gradient_method(settled.gradient.unwrap_or_default());
+    places
+        .grids
+        .iter()
+        .zip(&places.volumes)
+        .map(move |(grid, &volume)| {
+            let header = &headers.volumes[volume];
+            Field {
+                volume,
+                grid: *grid,
+                is_moved: *grid != header.grid,
+                rescale: header.rescale,
+                fetch: Fetch::Stored,
+                reconstruct,
+                gradient,
+            }
+        })
+}
+
+/// The tables of the volumes that are drawn, in their order.
+fn plan_tables(
     settled: &Scene,
     headers: &Headers,
     places: &Places,
     compositing: PlanCompositing,
     checker: &mut Checker,
-) -> Option<Vec<PlanObject>> {
-    if places.grids.len() > MOST_OBJECTS {
+) -> Option<Vec<TransferTable>> {
+    if places.grids.len() > MOST_LAYERS {
         checker.add(
             "objects",
             format!("{} volumes", places.grids.len()),
-            &format!("at most {MOST_OBJECTS} volumes in one picture"),
+            &format!("at most {MOST_LAYERS} volumes in one picture"),
         );
         return None;
     }
     let scene_objects = settled.objects.as_deref().unwrap_or(&[]);
-    let mut objects = Vec::new();
+    let mut tables = Vec::new();
     for (i, grid) in places.grids.iter().enumerate() {
         let header = VolumeHeader {
             grid: *grid,
@@ -668,24 +709,19 @@ fn plan_objects(
                 format!("objects[{object}]."),
             ),
         };
-        let table = function
-            .as_ref()
-            .and_then(|function| function.plan(&header, compositing, &mut own));
+        tables.push(
+            function
+                .as_ref()
+                .and_then(|function| function.plan(&header, compositing, &mut own)),
+        );
         checker
             .problems
             .extend(own.problems.into_iter().map(|mut problem| {
                 problem.path = format!("{path}{}", problem.path);
                 problem
             }));
-        objects.push(table.map(|table| PlanObject {
-            volume: places.volumes[i],
-            grid: *grid,
-            is_moved: *grid != headers.volumes[places.volumes[i]].grid,
-            rescale: header.rescale,
-            table,
-        }));
     }
-    objects.into_iter().collect()
+    tables.into_iter().collect()
 }
 
 fn plan_meshes(

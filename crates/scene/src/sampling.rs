@@ -180,29 +180,35 @@ pub(crate) fn check_together(plan: &plan::Plan, checker: &mut Checker) {
         let rule = format!("{:?} {what}", plan.sampling.name());
         checker.add("sampling.rule", rule, &allowed);
     };
-    let projects = matches!(plan.composite, Composite::Mip | Composite::MinIp);
+    let projects = matches!(
+        plan.technique().composite,
+        Composite::Mip | Composite::MinIp
+    );
     let refines = matches!(plan.sampling, Sampling::Refine { .. });
-    let adds = matches!(plan.composite, Composite::EmissionAbsorption { .. });
+    let adds = matches!(
+        plan.technique().composite,
+        Composite::EmissionAbsorption { .. }
+    );
     if !(adds || projects && refines) {
         refuse(
             "with a method that looks at lattice points",
             "method emission-absorption, or rule \"refine\" with mip or minip",
         );
     }
-    if plan.objects.len() > 1 {
+    if plan.layers.len() > 1 {
         refuse("with several volumes", "one volume");
     }
     if !plan.modules.is_empty() {
         refuse("with functions of your own", "functions of the library");
     }
     let by_value = matches!(
-        plan.classify,
+        plan.technique().classify,
         Classify::Table | Classify::Identity { .. } | Classify::Threshold { .. }
     );
     match plan.sampling {
         Sampling::Regular => {}
         Sampling::Refine { .. } => {
-            if adds && plan.classify == Classify::PreClassified {
+            if adds && plan.technique().classify == Classify::PreClassified {
                 refuse(
                     "with voxels that are classified before they are interpolated",
                     "classification by the value of the sample",
@@ -218,7 +224,7 @@ pub(crate) fn check_together(plan: &plan::Plan, checker: &mut Checker) {
             }
         }
         Sampling::Integrated | Sampling::ByOpacity { .. } => {
-            if plan.classify != Classify::Table {
+            if plan.technique().classify != Classify::Table {
                 refuse(
                     "with a classification that is no table of values",
                     "a transfer function of the value, or rule \"refine\"",
@@ -226,13 +232,13 @@ pub(crate) fn check_together(plan: &plan::Plan, checker: &mut Checker) {
             }
         }
         Sampling::Adaptive { .. } => {
-            if plan.classify != Classify::Table {
+            if plan.technique().classify != Classify::Table {
                 refuse(
                     "with a classification that is no table of values",
                     "a transfer function of the value",
                 );
             }
-            if plan.shade != Shade::Unlit {
+            if plan.technique().shade != Shade::Unlit {
                 refuse(
                     "with shading: its light changes with the gradient, which nothing bounds",
                     "shading \"unlit\"",

@@ -10,7 +10,7 @@ pub use clips::dropped;
 pub use even::even_cubes;
 pub use opacity::most_opacity;
 
-use crate::plan::{Classify, Composite, DebugView, Fetch, Plan, PlanObject, Reconstruct};
+use crate::plan::{Classify, Composite, DebugView, Fetch, Field, Plan, Reconstruct};
 use crate::transfer::{Places, TransferTable};
 use strahl_volume::Rescale;
 use strahl_volume::bricks::{BrickRange, Bricks};
@@ -29,27 +29,27 @@ pub enum Contribution {
 }
 
 impl Contribution {
-    /// What the `bricks` of object number `object` can give. They are those of the numbers that the
+    /// What the `bricks` of layer number `layer` can give. They are those of the numbers that the
     /// renderer reconstructs from: of the coefficients if the B-spline interpolates.
-    pub fn of(plan: &Plan, object: usize, bricks: &Bricks) -> Contribution {
-        let object = &plan.objects[object];
+    pub fn of(plan: &Plan, layer: usize, bricks: &Bricks) -> Contribution {
+        let (field, technique) = (plan.field_of(layer), plan.technique_of(layer));
         // What a function of the user does to values nobody knows.
         let is_known = !plan.modules.iter().any(|module| {
             let slot = module.module.slot().name;
             ["fetch", "reconstruct", "classify", "composite"].contains(&slot)
         });
-        if plan.fetch != Fetch::Stored || !is_known {
+        if field.fetch != Fetch::Stored || !is_known {
             return Contribution::Every;
         }
-        let rescale = rescale_of(plan, object);
+        let rescale = rescale_of(field);
         let values = |range: BrickRange| values(range, rescale);
-        let way = plan.reconstruct;
-        let opaque = Opaque::new(&object.table);
+        let way = field.reconstruct;
+        let opaque = Opaque::new(&technique.table);
         let visible = |range: BrickRange| {
             let (lo, hi) = values(range);
-            !range.is_empty() && shows(plan.classify, &opaque, lo, hi)
+            !range.is_empty() && shows(technique.classify, &opaque, lo, hi)
         };
-        match plan.composite {
+        match technique.composite {
             Composite::EmissionAbsorption { .. }
             | Composite::BackToFront
             | Composite::Debug(
@@ -86,12 +86,12 @@ impl Contribution {
     }
 }
 
-/// The way from numbers that the renderer reconstructs from to the values of an object.
-fn rescale_of(plan: &Plan, object: &PlanObject) -> Rescale {
-    match plan.reconstruct {
+/// The way from numbers that the renderer reconstructs from to the values of a field.
+fn rescale_of(field: &Field) -> Rescale {
+    match field.reconstruct {
         // Coefficients are values.
         Reconstruct::BSplineInterpolating => Rescale::IDENTITY,
-        _ => object.rescale,
+        _ => field.rescale,
     }
 }
 

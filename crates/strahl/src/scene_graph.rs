@@ -169,8 +169,12 @@ impl SceneGraph {
                         "{edge} columns and rows; allowed: 2 to {most}"
                     )));
                 }
-                match plan.objects.get(object) {
-                    Some(object) => Ok(pre_integrated(&object.table, plan.lattice.step_mm, *edge)),
+                match plan.layers.get(object) {
+                    Some(layer) => Ok(pre_integrated(
+                        &plan.techniques[layer.technique].table,
+                        plan.lattice.step_mm,
+                        *edge,
+                    )),
                     None => Err(wrong(format!("there is no object {object}"))),
                 }
             }

@@ -317,16 +317,16 @@ fn scene(file: SceneFile, has_spec: bool, spec: &mut Spec, quiet: bool) -> Resul
         }
         (None, None) => bail!("the scene names no volume"),
     };
-    let [object] = plan.objects.as_slice() else {
+    if plan.layers.len() > 1 {
         bail!(
             "the scene has {} volumes; the processor draws one at a time",
-            plan.objects.len()
+            plan.layers.len()
         );
-    };
+    }
     if !plan.meshes.is_empty() || !plan.ray_clips.is_empty() || !plan.sample_clips.is_empty() {
         bail!("the scene has meshes or clips, which the processor does not know; take them out");
     }
-    if object.is_moved {
+    if plan.field().is_moved {
         bail!(
             "the scene moves its volume, which the processor does not know; turn the camera instead"
         );
@@ -339,8 +339,7 @@ fn scene(file: SceneFile, has_spec: bool, spec: &mut Spec, quiet: bool) -> Resul
 
 /// Takes view, step and opacity from a Plan. The rest (colours, lights, framing) the processor has in its own way.
 fn over(spec: &mut Spec, plan: &plan::Plan, quiet: bool) -> Result<()> {
-    let object = &plan.objects[0];
-    let voxel_from_world = object.grid.voxel_from_world().matrix3;
+    let voxel_from_world = plan.field().grid.voxel_from_world().matrix3;
     // Directions only: voxels count as cubes.
     let turned = |v: DVec3| {
         let columns = [0, 1, 2].map(|i| voxel_from_world.row(i).normalize());
@@ -362,15 +361,16 @@ fn over(spec: &mut Spec, plan: &plan::Plan, quiet: bool) -> Result<()> {
             "the scene's camera is rolled or looks along z; the processor keeps z upright (view.rotate_z_deg, rotate_x_deg)"
         );
     }
-    let spacing = object.grid.mean_spacing_mm();
+    let table = &plan.technique().table;
+    let spacing = plan.field().grid.mean_spacing_mm();
     spec.view.step = (plan.lattice.step_mm / spacing).clamp(0.05, 3.0);
-    let [lo, hi] = object.table.domain();
-    let exponent = f64::from(plan.lattice.step_mm as f32) / f64::from(object.table.reference_mm());
+    let [lo, hi] = table.domain();
+    let exponent = f64::from(plan.lattice.step_mm as f32) / f64::from(table.reference_mm());
     let points = 512;
     spec.look.opacity = (0..=points)
         .map(|i| {
             let value = lo + (hi - lo) * i as f32 / points as f32;
-            let opacity = f64::from(object.table.at(value)[3]).clamp(0.0, 1.0);
+            let opacity = f64::from(table.at(value)[3]).clamp(0.0, 1.0);
             [f64::from(value), 1.0 - (1.0 - opacity).powf(exponent)]
         })
         .collect();

@@ -20,11 +20,11 @@ pub fn interval<S: Level>(
     rays: &Rays<S>,
     opaque_mm: F64s<S>,
 ) -> [F64s<S>; 2] {
-    let grid = &plan.objects[object].grid;
+    let grid = &plan.field_of(object).grid;
     let ahead = [F64s::splat(0.0), F64s::splat(f64::INFINITY)];
     let mut interval = extent::clip(grid, rays, ahead);
     for clip in &plan.ray_clips {
-        if clip.objects >> object & 1 == 1 {
+        if clip.layers >> object & 1 == 1 {
             interval = plane::clip(clip, rays, interval);
         }
     }

@@ -7,30 +7,25 @@ mod sobel;
 use crate::lanes::{F32s, Mask, Vec3s, each};
 use crate::levels::Level;
 use crate::library::reconstruct::Values;
-use strahl_scene::plan::{Gradient, GradientMethod};
+use strahl_scene::plan::GradientMethod;
 use strahl_volume::Grid;
 
 /// How gradients are found in one object.
 pub struct Gradients {
-    method: Gradient,
+    method: GradientMethod,
     /// Gradient in voxel space → in world space: the transpose of `voxel_from_world`.
     world_from_voxel: [[f32; 3]; 3],
 }
 
 impl Gradients {
     /// The gradients on `grid`.
-    pub fn new(method: Gradient, grid: &Grid) -> Gradients {
+    pub fn new(method: GradientMethod, grid: &Grid) -> Gradients {
         let transposed = grid.voxel_from_world().matrix3.transpose();
         let row = |r: usize| transposed.row(r).to_array().map(|v| v as f32);
         Gradients {
             method,
             world_from_voxel: [row(0), row(1), row(2)],
         }
-    }
-
-    /// What the gradient is taken of.
-    pub fn input(&self) -> strahl_scene::plan::GradientInput {
-        self.method.input
     }
 
     /// The gradient of the values at `position` (voxel space) where `asked`; anything elsewhere.
@@ -41,7 +36,7 @@ impl Gradients {
         position: Vec3s<S>,
         asked: Mask<S>,
     ) -> Vec3s<S> {
-        if self.method.method == GradientMethod::Central {
+        if self.method == GradientMethod::Central {
             return self.in_world(values.central_differences(position, asked));
         }
         self.of(&|position| values.at(position), position)
@@ -54,7 +49,7 @@ impl Gradients {
         field: &impl Fn(Vec3s<S>) -> F32s<S>,
         position: Vec3s<S>,
     ) -> Vec3s<S> {
-        let in_voxel = match self.method.method {
+        let in_voxel = match self.method {
             GradientMethod::Forward => differences::forward(field, position),
             GradientMethod::Backward => differences::backward(field, position),
             GradientMethod::Central => differences::central(field, position),

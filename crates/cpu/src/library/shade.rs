@@ -21,7 +21,7 @@ impl Shading {
     /// The shading of `plan`.
     pub fn new(plan: &Plan) -> Shading {
         Shading {
-            model: plan.shade,
+            model: plan.technique().shade,
             lights: Light::all(plan),
         }
     }

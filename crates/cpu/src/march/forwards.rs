@@ -42,7 +42,7 @@ impl<S: Level> Packet<'_, S> {
             k = moving.select(k + stride, k);
             live = live & k.lt(rays.count) & !self.done();
         }
-        if let Composite::FirstHit { threshold } = self.scenery.plan.composite {
+        if let Composite::FirstHit { threshold } = self.scenery.composite {
             self.hit(object, F32s::splat(threshold as f32));
         }
         k

@@ -125,7 +125,7 @@ impl<S: Level> Packet<'_, S> {
         stride: F32s<S>,
     ) -> Mask<S> {
         let place = k + self.rays.jitter;
-        match self.scenery.plan.composite {
+        match self.scenery.composite {
             Composite::EmissionAbsorption { .. } | Composite::BackToFront => {
                 let look = self.classified(object, value, position, sampled);
                 let Surface { colour, opacity } = look.surface;
@@ -327,7 +327,7 @@ impl<S: Level> Packet<'_, S> {
     #[inline(always)]
     pub(super) fn done(&self) -> Mask<S> {
         let state = &self.state;
-        match self.scenery.plan.composite {
+        match self.scenery.composite {
             Composite::EmissionAbsorption {
                 stop_at_transmittance,
             } => emission_absorption::done(state, stop_at_transmittance),
@@ -351,7 +351,7 @@ impl<S: Level> Packet<'_, S> {
     #[inline(always)]
     pub(super) fn finish(&mut self) -> Seen {
         let found = F32s::zero().lt(self.state.number);
-        match self.scenery.plan.composite {
+        match self.scenery.composite {
             Composite::Mip | Composite::MinIp => self.classify_once(self.state.value, found),
             Composite::Average => self.classify_once(average::mean(&self.state), found),
             Composite::Gmip { white_per_mm } => {
@@ -385,7 +385,7 @@ impl<S: Level> Packet<'_, S> {
     /// How far away what is seen lies.
     #[inline(always)]
     pub(super) fn depth_mm(&self) -> [f32; LANES] {
-        let hits = matches!(self.scenery.plan.composite, Composite::FirstHit { .. });
+        let hits = matches!(self.scenery.composite, Composite::FirstHit { .. });
         let distance = self.distance_mm(self.state.place);
         lanes(|i| {
             if hits && self.state.alpha.lane(i) > 0.0 {
@@ -403,7 +403,7 @@ impl<S: Level> Packet<'_, S> {
         let object = &scenery.objects[0];
         let position = self.rays.lines[0].position(self.state.place);
         let mut surface = object.classify(value, position, found);
-        if scenery.plan.shade != Shade::Unlit {
+        if scenery.plan.technique().shade != Shade::Unlit {
             surface = self.shade(object, surface, position, found);
         }
         let alpha = found.select(surface.opacity, F32s::zero());

@@ -51,7 +51,7 @@ impl<S: Level> Packet<'_, S> {
 
     #[inline(always)]
     fn through<T: Sample>(&mut self, object: &Object<S>, voxels: &Linear<T>) -> F32s<S> {
-        if let Composite::FirstHit { threshold } = self.scenery.plan.composite {
+        if let Composite::FirstHit { threshold } = self.scenery.composite {
             self.until_hit(object, voxels, threshold as f32)
         } else if self.scenery.shading.is_unlit() {
             self.unlit(object, voxels)

@@ -38,10 +38,10 @@ fn ramp() -> Volume {
 fn plan(volume: &Volume, scene: &str, table: TransferTable) -> Plan {
     let scene = Scene::parse("scene", scene).unwrap();
     let mut plan = resolve(&scene, &volume.header(), None).unwrap();
-    plan.composite = Composite::EmissionAbsorption {
+    plan.technique_mut().composite = Composite::EmissionAbsorption {
         stop_at_transmittance: 0.0,
     };
-    plan.objects[0].table = table;
+    plan.technique_mut().table = table;
     plan
 }
 
@@ -251,7 +251,7 @@ fn what_is_left_is_looked_at_as_closely_as_what_is_entered() {
         vec![entry(0.0), entry(0.3), entry(0.0)]
     });
     let mut plan = plan;
-    plan.objects[0].table = shown;
+    plan.technique_mut().table = shown;
     let alpha = |plan: &Plan| f64::from(draw(&volume, plan).image.pixel(2, 2)[3]);
     let fine = alpha(&finer(&plan, 65.0));
     for sampling in [Sampling::Refine { parts: 65 - 1 }, linear(64)] {
@@ -278,7 +278,7 @@ fn errors_fall() {
                 // Sheets that are much thinner than a step.
                 let [lo, hi] = volume.statistics().range.map(|v| v as f32);
                 let entry = |i: usize| [1.0, 0.5, 0.2, if i % 20 == 10 { 0.9 } else { 0.0 }];
-                plan.objects[0].table =
+                plan.technique_mut().table =
                     TransferTable::new([lo, hi], 1.0, (0..=200).map(entry).collect());
             }
             let converged = draw(volume, &finer(&plan, 32.0));
@@ -445,7 +445,7 @@ impl Random {
         let reference_mm = step_mm * self.pick(&[0.3, 1.0, 4.0]);
         let mut plan = plan(volume, &scene, self.table(reference_mm));
         plan.lattice.step_mm = step_mm;
-        plan.composite = Composite::EmissionAbsorption {
+        plan.technique_mut().composite = Composite::EmissionAbsorption {
             stop_at_transmittance: self.pick(&[0.0, 1.0 / 256.0, 0.3]),
         };
         let parts = self.pick(&[2, 3, 8]);
@@ -502,7 +502,7 @@ fn neither_skipping_nor_anything_else_changes_a_byte() {
                 bits(&found) == bits(&expected),
                 "seed {seed}, {options:?}, {:?}, {:?}, step {}",
                 plan.sampling,
-                plan.reconstruct,
+                plan.field().reconstruct,
                 plan.lattice.step_mm
             );
             skipping += usize::from(found.stats.points_skipped > 0);
@@ -529,11 +529,11 @@ fn what_is_left_out_changes_no_pixel_by_more_than_the_error() {
         };
         let mut plan = random.plan(&volume);
         if is_gentle {
-            let reference_mm = f64::from(plan.objects[0].table.reference_mm());
-            plan.objects[0].table = random.gentle_table(reference_mm);
+            let reference_mm = f64::from(plan.technique().table.reference_mm());
+            plan.technique_mut().table = random.gentle_table(reference_mm);
         }
-        plan.shade = strahl_scene::plan::Shade::Unlit;
-        plan.composite = Composite::EmissionAbsorption {
+        plan.technique_mut().shade = strahl_scene::plan::Shade::Unlit;
+        plan.technique_mut().composite = Composite::EmissionAbsorption {
             stop_at_transmittance: 0.0,
         };
         let error = random.pick(&[0.002, 0.02, 0.2, 0.5]);
@@ -653,7 +653,7 @@ fn strides_are_nearer_to_the_truth_with_fewer_samples() {
             &scene,
             TransferTable::new([0.0, 255.0], 1.0, entries.clone()),
         );
-        plan.composite = Composite::EmissionAbsorption {
+        plan.technique_mut().composite = Composite::EmissionAbsorption {
             stop_at_transmittance: 1.0 / 256.0,
         };
         plan.lattice.step_mm = 1.0;
@@ -734,7 +734,7 @@ fn refined_projections_are_nearer_to_the_truth() {
             1.0,
             vec![[0.0, 0.0, 0.0, 1.0], [1.0, 1.0, 1.0, 1.0]],
         );
-        plan.objects[0].table = table;
+        plan.technique_mut().table = table;
         let truth = draw(&volume, &finer(&plan, 32.0));
         let regular = draw(&volume, &plan);
         let refined = draw(&volume, &sampled(&plan, Sampling::Refine { parts: 8 }));

@@ -192,7 +192,7 @@ fn a_transfer_function_compiles_nothing() {
         let what = loop_of(&plan, Texels::Float);
         let graph = standard(&plan).unwrap();
         let compiled = compiler.compile("test", &graph, &what, &functions);
-        (compiled.unwrap().program, plan.objects[0].table.clone())
+        (compiled.unwrap().program, plan.technique().table.clone())
     };
     let (first, table) = program(
         r##"{ "transfer_function": { "points": [[0, 0, "#ff0000"], [1, 1, "#ffffff"]] } }"##,

@@ -7,21 +7,21 @@ use std::ops::Range;
 use strahl_volume::Volume;
 use strahl_volume::bricks::{BrickRange, Bricks};
 
-/// For each brick of object number `object`, x fastest, whether the Plan's clips drop every sample inside, wherever they
+/// For each brick of layer number `layer`, x fastest, whether the Plan's clips drop every sample inside, wherever they
 /// are; `None` if there is no such brick. There are `dims` bricks of `edge`³ cells, as
 /// [`Bricks`] has them. `mask` gives the masks of the Plan, with bricks of any size.
 pub fn dropped<'m>(
     plan: &Plan,
-    object: usize,
+    layer: usize,
     dims: [usize; 3],
     edge: usize,
     mask: impl Fn(usize) -> (&'m Volume, &'m Bricks),
 ) -> Option<Vec<bool>> {
-    let grid = &plan.objects[object].grid;
+    let grid = &plan.field_of(layer).grid;
     let clips: Vec<Clip> = plan
         .sample_clips
         .iter()
-        .filter(|clip| clip.cuts(object))
+        .filter(|clip| clip.cuts(layer))
         .map(|clip| Clip::new(clip, grid.world_from_voxel(), &mask))
         .collect();
     if clips.is_empty() {
@@ -339,7 +339,7 @@ mod tests {
             shape,
             unit_from_world: (volume.grid().world_from_voxel() * voxel_from_unit).inverse(),
             keep_inside,
-            objects: 1,
+            layers: 1,
         }];
         plan
     }

@@ -6,7 +6,7 @@ use crate::transfer::TransferTable;
 use std::collections::VecDeque;
 use strahl_volume::bricks::Bricks;
 
-/// For each brick of object number `object`, x fastest: 0, or 1 + e if the aligned cube of 2^e bricks along each edge
+/// For each brick of layer number `layer`, x fastest: 0, or 1 + e if the aligned cube of 2^e bricks along each edge
 /// that it lies in, and no larger one, is even: inside it one sample can stand for any other. `None` if nothing is
 /// known of the values, or `plan` wants every lattice point.
 ///
@@ -18,22 +18,22 @@ use strahl_volume::bricks::Bricks;
 /// and rays that end early: they may leave out another remainder). Colours and background are at most 1 for that.
 ///
 /// Voxels without a value are not in the ranges of bricks: a volume with any has no even cubes.
-pub fn even_cubes(plan: &Plan, object: usize, bricks: &Bricks) -> Option<Vec<u8>> {
+pub fn even_cubes(plan: &Plan, layer: usize, bricks: &Bricks) -> Option<Vec<u8>> {
     let Sampling::Adaptive { error } = plan.sampling else {
         return None;
     };
-    let known = plan.fetch == Fetch::Stored
-        && plan.classify == Classify::Table
-        && plan.shade == Shade::Unlit
+    let (field, technique) = (plan.field_of(layer), plan.technique_of(layer));
+    let known = field.fetch == Fetch::Stored
+        && technique.classify == Classify::Table
+        && technique.shade == Shade::Unlit
         && plan.modules.is_empty();
     if !known {
         return None;
     }
-    let object = &plan.objects[object];
-    let even = Even::new(&object.table, plan.lattice.step_mm, f64::from(error));
+    let even = Even::new(&technique.table, plan.lattice.step_mm, f64::from(error));
     let mut dims = bricks.dims();
-    let mut ranges = of_reached(bricks, plan.reconstruct, |range| {
-        values(range, rescale_of(plan, object))
+    let mut ranges = of_reached(bricks, field.reconstruct, |range| {
+        values(range, rescale_of(field))
     });
     let mut cubes = vec![0; ranges.len()];
     for e in 0..8 {

@@ -6,25 +6,25 @@ use crate::transfer::{Places, TransferTable};
 use std::ops::Range;
 use strahl_volume::bricks::Bricks;
 
-/// For each brick of object number `object`, x fastest: 0 if no sample inside shows anything, exactly where
+/// For each brick of layer number `layer`, x fastest: 0 if no sample inside shows anything, exactly where
 /// [`Contribution::Visible`](super::Contribution::Visible) says so; otherwise a number m from 1
 /// to 255 such that no sample inside it or the 26 bricks around it has an opacity of a step above m/255. `None` if
 /// nothing is known of the values, or `plan` wants every lattice point.
-pub fn most_opacity(plan: &Plan, object: usize, bricks: &Bricks) -> Option<Vec<u8>> {
-    let known = plan.fetch == Fetch::Stored
-        && plan.classify == Classify::Table
-        && matches!(plan.composite, Composite::EmissionAbsorption { .. })
+pub fn most_opacity(plan: &Plan, layer: usize, bricks: &Bricks) -> Option<Vec<u8>> {
+    let (field, technique) = (plan.field_of(layer), plan.technique_of(layer));
+    let known = field.fetch == Fetch::Stored
+        && technique.classify == Classify::Table
+        && matches!(technique.composite, Composite::EmissionAbsorption { .. })
         && plan.modules.is_empty();
     if !known || !matches!(plan.sampling, Sampling::ByOpacity { .. }) {
         return None;
     }
-    let placed = &plan.objects[object];
-    let most = MostOpacity::new(&placed.table, plan.lattice.step_mm);
-    let of_bricks = of_reached(bricks, plan.reconstruct, |range| {
+    let most = MostOpacity::new(&technique.table, plan.lattice.step_mm);
+    let of_bricks = of_reached(bricks, field.reconstruct, |range| {
         if range.is_empty() {
             return 0;
         }
-        let (lo, hi) = values(range, rescale_of(plan, placed));
+        let (lo, hi) = values(range, rescale_of(field));
         most.between(lo, hi)
     });
     let mut around = joined_with_neighbours(bricks.dims(), of_bricks.clone(), |most, other| {

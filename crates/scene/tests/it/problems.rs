@@ -174,7 +174,7 @@ fn odd_volumes_resolve_or_say_why() {
             let header = header_of(samples.clone(), rescale);
             let plan = resolve(&scene, &header, None).unwrap();
             assert!(
-                plan.objects[0]
+                plan.technique()
                     .table
                     .entries()
                     .iter()

@@ -407,13 +407,13 @@ fn check_plan(plan: &Plan) {
     };
     assert!(spread.is_finite() && spread > 0.0);
     assert!(plan.lattice.step_mm > 0.0 && plan.lattice.step_mm.is_finite());
-    let [lo, hi] = plan.objects[0].table.domain();
+    let [lo, hi] = plan.technique().table.domain();
     assert!(lo < hi && (hi - lo).is_finite(), "{lo} {hi}");
-    assert!(plan.objects[0].table.reference_mm().is_finite());
-    for part in plan.objects[0].table.entries().iter().flatten() {
+    assert!(plan.technique().table.reference_mm().is_finite());
+    for part in plan.technique().table.entries().iter().flatten() {
         assert!((0.0..=1.0).contains(part), "{part}");
     }
-    let probe = plan.objects[0].table.at(0.5 * lo + 0.5 * hi);
+    let probe = plan.technique().table.at(0.5 * lo + 0.5 * hi);
     assert!(probe.iter().all(|part| part.is_finite()));
     for light in &plan.lights {
         let (PlanLight::Directional { radiance, .. }
@@ -486,7 +486,7 @@ proptest! {
         if let Ok(plan) = resolve(&scene, &header, None) {
             check_plan(&plan);
             let settled = settled(&scene, &header);
-            prop_assert_eq!(resolve(&settled, &header, None).unwrap().objects[0].table.clone(), plan.objects[0].table.clone());
+            prop_assert_eq!(resolve(&settled, &header, None).unwrap().technique().table.clone(), plan.technique().table.clone());
         }
     }
 

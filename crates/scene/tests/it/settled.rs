@@ -113,7 +113,7 @@ fn a_scene_goes_before_its_preset() {
         &header,
     );
     assert_eq!(with.background, [1.0, 0.0, 0.0, 1.0]);
-    let parts = |plan: &Plan| match plan.shade {
+    let parts = |plan: &Plan| match plan.technique().shade {
         Shade::Lit {
             ambient,
             illuminate: Illuminate::BlinnPhong { diffuse, .. },
@@ -125,7 +125,7 @@ fn a_scene_goes_before_its_preset() {
     assert_eq!(ambient, 0.9);
     let plain = plan(r#"{ "preset": "ct-bone" }"#, &header);
     assert_eq!(diffuse, parts(&plain).1);
-    assert_eq!(with.objects[0].table, plain.objects[0].table);
+    assert_eq!(with.technique().table, plain.technique().table);
 }
 
 #[test]
@@ -165,10 +165,10 @@ fn methods_become_composites() {
             Composite::FirstHit { threshold: 250.0 },
         ),
     ] {
-        assert_eq!(plan(text, &header).composite, composite);
+        assert_eq!(plan(text, &header).technique().composite, composite);
     }
     let mip = plan(r#"{ "method": "mip" }"#, &header);
-    assert_eq!(mip.shade, Shade::Unlit);
+    assert_eq!(mip.technique().shade, Shade::Unlit);
     assert!(mip.lights.is_empty());
 }
 

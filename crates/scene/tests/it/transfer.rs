@@ -11,7 +11,7 @@ fn table(function: TransferFunction, header: &VolumeHeader) -> TransferTable {
         ..Scene::default()
     };
     let plan = resolve(&scene, header, None).unwrap();
-    plan.objects[0].table.clone()
+    plan.technique().table.clone()
 }
 
 fn points(points: &[(f64, f64, [f64; 3])]) -> TransferFunction {

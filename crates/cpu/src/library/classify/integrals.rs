@@ -371,11 +371,11 @@ impl RecentIntegrals {
             return None;
         }
         let asked = Asked {
-            table: plan.objects[object].table.clone(),
+            table: plan.technique_of(object).table.clone(),
             step_mm: plan.lattice.step_mm,
         };
         // A picture in stages has two steps.
-        self.find(asked, 2 * plan.objects.len(), |asked| {
+        self.find(asked, 2 * plan.layers.len(), |asked| {
             let reference_mm = f64::from(asked.table.reference_mm());
             Some(Integrals::new(&asked.table, asked.step_mm / reference_mm))
         })
