@@ -5,6 +5,7 @@
 //! (`stack`); last the pixels are decoded, each slice straight to where it stays (`pixels`).
 //! Neither file names nor instance numbers order anything.
 
+mod character_set;
 mod elements;
 mod frames;
 mod in_parallel;
@@ -14,11 +15,11 @@ mod rle;
 mod series;
 mod stack;
 mod syntax;
+mod tags;
 
 use super::{Bytes, Files, Input, Loaded, ReadOptions};
 use crate::error::{Error, ErrorKind};
 use crate::{Grid, Metadata, Modality, Rescale, Sample, SampleType, Samples, Volume};
-use dicom_dictionary_std::tags;
 use frames::{Frame, Image};
 use in_parallel::in_parallel;
 use pixels::Source;
@@ -46,7 +47,7 @@ pub(crate) fn read_file(input: &Input, options: &ReadOptions) -> Result<Loaded, 
     result?;
     let image = image.ok_or_else(|| {
         Error::from(ErrorKind::Missing {
-            field: elements::field_name(tags::PIXEL_DATA),
+            field: tags::field_name(tags::PIXEL_DATA),
             allowed: "this DICOM file holds no image".into(),
         })
     })?;
@@ -255,7 +256,7 @@ fn place(
         return Err(match (unsupported, unplaced) {
             (Some(error), _) => error,
             (None, name) => Error::from(ErrorKind::Missing {
-                field: elements::field_name(tags::IMAGE_POSITION_PATIENT),
+                field: tags::field_name(tags::IMAGE_POSITION_PATIENT),
                 allowed: "slices without a place in the patient make no volume; save them as PNG or TIFF and read those with --spacing X,Y,Z".into(),
             })
             .in_file(name.unwrap_or_default()),

@@ -11,17 +11,16 @@
 //! | … implicit| length u32                                                                        |
 //! | sequence  | items (FFFE,E000) length u32; a length of FFFF FFFF ends at a delimiter           |
 //!
-//! The walk is ours and not dicom-object's: that one takes memory for the length an element claims,
+//! The walk is ours and not that of dicom-rs, which takes memory for the length an element claims,
 //! follows nested sequences by recursion without a bound (a few kilobytes of file overflow the
 //! stack, which nothing can catch), and does not say where the pixels begin, so that they would
-//! have to be copied. Tags, character sets and the decoders are those of the dicom-rs family.
+//! have to be copied. Tags and character sets alone would bring twenty crates with them.
 
+use super::character_set;
 use super::syntax::Syntax;
+use super::tags::{self, Tag, field_name};
 use crate::error::{Error, ErrorKind};
 use crate::read::Bytes;
-use dicom_core::Tag;
-use dicom_dictionary_std::tags;
-use dicom_encoding::text::{SpecificCharacterSet, TextCodec};
 use flate2::read::DeflateDecoder;
 use std::io::Read;
 
@@ -633,18 +632,8 @@ impl DataSet {
     /// Free text, in the character set that the data set names.
     pub(super) fn description(&self, tag: Tag) -> Option<String> {
         let bytes = self.bytes(tag)?;
-        let set = self
-            .text(tags::SPECIFIC_CHARACTER_SET)
-            .and_then(|sets| {
-                sets.split('\\')
-                    .map(str::trim)
-                    .find(|set| !set.is_empty())
-                    .and_then(SpecificCharacterSet::from_code)
-            })
-            .unwrap_or_default();
-        let text = set
-            .decode(bytes)
-            .unwrap_or_else(|_| String::from_utf8_lossy(bytes).into_owned());
+        let sets = self.text(tags::SPECIFIC_CHARACTER_SET).unwrap_or_default();
+        let text = character_set::decoded(&sets, bytes);
         // No control characters into terminals and tables.
         let text: String = text
             .chars()
@@ -716,14 +705,5 @@ impl DataSet {
     pub(super) fn f64(&self, tag: Tag) -> Option<f64> {
         let bytes = self.bytes(tag)?.first_chunk()?;
         Some(f64::from_le_bytes(*bytes))
-    }
-}
-
-/// What an element is called in messages: `PixelSpacing (0028,0030)`.
-pub(super) fn field_name(tag: Tag) -> String {
-    use dicom_core::dictionary::{DataDictionary, DataDictionaryEntry};
-    match dicom_dictionary_std::StandardDataDictionary.by_tag(tag) {
-        Some(entry) => format!("{} {tag}", entry.alias()),
-        None => tag.to_string(),
     }
 }

@@ -1,11 +1,10 @@
 //! Frames: every image of a series, whether it fills a file or is one of many in it, with its place.
 
-use super::elements::{DataSet, Elements, PixelData, field_name};
+use super::elements::{DataSet, Elements, PixelData};
 use super::pixels::{Layout, missing};
+use super::tags::{self, Tag, field_name};
 use crate::error::{Error, ErrorKind};
 use crate::{Rescale, read::ReadOptions};
-use dicom_core::Tag;
-use dicom_dictionary_std::tags;
 use glam::DVec3;
 
 /// A DICOM file that holds pixels.

@@ -1,13 +1,12 @@
 //! The samples of one frame: found in the file, unpacked, put into the range of their stored bits.
 
-use super::elements::{DataSet, Elements, PixelData, field_name};
+use super::elements::{DataSet, Elements, PixelData};
 use super::syntax::{CONVERT, Packing};
+use super::tags::{self, Tag, field_name};
 use super::{jpeg_ls, rle};
 use crate::error::{Error, ErrorKind};
 use crate::read::Bytes;
 use crate::{Sample, SampleType};
-use dicom_core::Tag;
-use dicom_dictionary_std::tags;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// How the samples of a frame are stored.

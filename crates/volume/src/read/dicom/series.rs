@@ -3,9 +3,9 @@
 use super::elements::{self, plain_text};
 use super::frames::Image;
 use super::in_parallel::in_parallel;
+use super::tags;
 use crate::error::{Error, ErrorKind};
 use crate::read::{Bytes, Files};
-use dicom_dictionary_std::tags;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 

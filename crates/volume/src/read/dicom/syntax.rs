@@ -1,7 +1,23 @@
 //! Transfer syntaxes: how elements and pixels are encoded.
 
 use crate::error::{Error, ErrorKind};
-use dicom_dictionary_std::uids;
+
+/// Names of transfer syntaxes (PS3.6, annex A).
+mod uids {
+    pub const IMPLICIT_VR_LITTLE_ENDIAN: &str = "1.2.840.10008.1.2";
+    pub const EXPLICIT_VR_LITTLE_ENDIAN: &str = "1.2.840.10008.1.2.1";
+    pub const ENCAPSULATED_UNCOMPRESSED_EXPLICIT_VR_LITTLE_ENDIAN: &str = "1.2.840.10008.1.2.1.98";
+    pub const DEFLATED_EXPLICIT_VR_LITTLE_ENDIAN: &str = "1.2.840.10008.1.2.1.99";
+    pub const JPEG_BASELINE8_BIT: &str = "1.2.840.10008.1.2.4.50";
+    pub const JPEG_EXTENDED12_BIT: &str = "1.2.840.10008.1.2.4.51";
+    pub const JPEG_LOSSLESS: &str = "1.2.840.10008.1.2.4.57";
+    pub const JPEG_LOSSLESS_SV1: &str = "1.2.840.10008.1.2.4.70";
+    pub const JPEGLS_LOSSLESS: &str = "1.2.840.10008.1.2.4.80";
+    pub const JPEGLS_NEAR_LOSSLESS: &str = "1.2.840.10008.1.2.4.81";
+    pub const JPEG2000_LOSSLESS: &str = "1.2.840.10008.1.2.4.90";
+    pub const JPEG2000: &str = "1.2.840.10008.1.2.4.91";
+    pub const RLE_LOSSLESS: &str = "1.2.840.10008.1.2.5";
+}
 
 /// How the pixels of a frame are packed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -117,8 +117,8 @@ impl Decoding<'_> {
                 run: Run::Literal(0),
             }),
             Compression::Zstd => Box::new(
-                zstd::stream::read::Decoder::with_buffer(source)
-                    .map_err(|error| self.decode_error(error, 0, 0))?,
+                ruzstd::decoding::StreamingDecoder::new(source)
+                    .map_err(|error| self.decode_error(io::Error::other(error), 0, 0))?,
             ),
         })
     }

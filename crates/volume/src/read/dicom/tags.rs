@@ -1,0 +1,104 @@
+//! The data elements that are looked at: numbers and keywords of PS3.6.
+
+use std::fmt;
+
+/// Group and element.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub(super) struct Tag(pub(super) u16, pub(super) u16);
+
+impl fmt::Display for Tag {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "({:04X},{:04X})", self.0, self.1)
+    }
+}
+
+/// What an element is called in messages: `PixelSpacing (0028,0030)`.
+pub(super) fn field_name(tag: Tag) -> String {
+    match KEYWORDS.iter().find(|(known, _)| *known == tag) {
+        Some((_, keyword)) => format!("{keyword} {tag}"),
+        None => tag.to_string(),
+    }
+}
+
+macro_rules! tags {
+    ($($name:ident = $group:literal, $element:literal, $keyword:literal;)*) => {
+        $(pub(super) const $name: Tag = Tag($group, $element);)*
+        const KEYWORDS: &[(Tag, &str)] = &[$(($name, $keyword)),*];
+    };
+}
+
+tags! {
+    TRANSFER_SYNTAX_UID = 0x0002, 0x0010, "TransferSyntaxUID";
+    SPECIFIC_CHARACTER_SET = 0x0008, 0x0005, "SpecificCharacterSet";
+    IMAGE_TYPE = 0x0008, 0x0008, "ImageType";
+    SOP_CLASS_UID = 0x0008, 0x0016, "SOPClassUID";
+    SOP_INSTANCE_UID = 0x0008, 0x0018, "SOPInstanceUID";
+    STUDY_DATE = 0x0008, 0x0020, "StudyDate";
+    ACQUISITION_DATE_TIME = 0x0008, 0x002A, "AcquisitionDateTime";
+    ACQUISITION_TIME = 0x0008, 0x0032, "AcquisitionTime";
+    MODALITY = 0x0008, 0x0060, "Modality";
+    MANUFACTURER = 0x0008, 0x0070, "Manufacturer";
+    STUDY_DESCRIPTION = 0x0008, 0x1030, "StudyDescription";
+    SERIES_DESCRIPTION = 0x0008, 0x103E, "SeriesDescription";
+    MANUFACTURER_MODEL_NAME = 0x0008, 0x1090, "ManufacturerModelName";
+    FRAME_TYPE = 0x0008, 0x9007, "FrameType";
+    BODY_PART_EXAMINED = 0x0018, 0x0015, "BodyPartExamined";
+    SLICE_THICKNESS = 0x0018, 0x0050, "SliceThickness";
+    KVP = 0x0018, 0x0060, "KVP";
+    ECHO_TIME = 0x0018, 0x0081, "EchoTime";
+    SPACING_BETWEEN_SLICES = 0x0018, 0x0088, "SpacingBetweenSlices";
+    PROTOCOL_NAME = 0x0018, 0x1030, "ProtocolName";
+    TRIGGER_TIME = 0x0018, 0x1060, "TriggerTime";
+    CONVOLUTION_KERNEL = 0x0018, 0x1210, "ConvolutionKernel";
+    PATIENT_POSITION = 0x0018, 0x5100, "PatientPosition";
+    FRAME_ACQUISITION_DATE_TIME = 0x0018, 0x9074, "FrameAcquisitionDateTime";
+    EFFECTIVE_ECHO_TIME = 0x0018, 0x9082, "EffectiveEchoTime";
+    DIFFUSION_B_VALUE = 0x0018, 0x9087, "DiffusionBValue";
+    MR_ECHO_SEQUENCE = 0x0018, 0x9114, "MREchoSequence";
+    MR_DIFFUSION_SEQUENCE = 0x0018, 0x9117, "MRDiffusionSequence";
+    CARDIAC_SYNCHRONIZATION_SEQUENCE = 0x0018, 0x9118, "CardiacSynchronizationSequence";
+    MR_IMAGE_FRAME_TYPE_SEQUENCE = 0x0018, 0x9226, "MRImageFrameTypeSequence";
+    CT_IMAGE_FRAME_TYPE_SEQUENCE = 0x0018, 0x9329, "CTImageFrameTypeSequence";
+    SERIES_INSTANCE_UID = 0x0020, 0x000E, "SeriesInstanceUID";
+    SERIES_NUMBER = 0x0020, 0x0011, "SeriesNumber";
+    ACQUISITION_NUMBER = 0x0020, 0x0012, "AcquisitionNumber";
+    IMAGE_POSITION_PATIENT = 0x0020, 0x0032, "ImagePositionPatient";
+    IMAGE_ORIENTATION_PATIENT = 0x0020, 0x0037, "ImageOrientationPatient";
+    TEMPORAL_POSITION_IDENTIFIER = 0x0020, 0x0100, "TemporalPositionIdentifier";
+    FRAME_CONTENT_SEQUENCE = 0x0020, 0x9111, "FrameContentSequence";
+    PLANE_POSITION_SEQUENCE = 0x0020, 0x9113, "PlanePositionSequence";
+    PLANE_ORIENTATION_SEQUENCE = 0x0020, 0x9116, "PlaneOrientationSequence";
+    TEMPORAL_POSITION_INDEX = 0x0020, 0x9128, "TemporalPositionIndex";
+    NOMINAL_CARDIAC_TRIGGER_DELAY_TIME = 0x0020, 0x9153, "NominalCardiacTriggerDelayTime";
+    SAMPLES_PER_PIXEL = 0x0028, 0x0002, "SamplesPerPixel";
+    PHOTOMETRIC_INTERPRETATION = 0x0028, 0x0004, "PhotometricInterpretation";
+    NUMBER_OF_FRAMES = 0x0028, 0x0008, "NumberOfFrames";
+    ROWS = 0x0028, 0x0010, "Rows";
+    COLUMNS = 0x0028, 0x0011, "Columns";
+    PIXEL_SPACING = 0x0028, 0x0030, "PixelSpacing";
+    BITS_ALLOCATED = 0x0028, 0x0100, "BitsAllocated";
+    BITS_STORED = 0x0028, 0x0101, "BitsStored";
+    HIGH_BIT = 0x0028, 0x0102, "HighBit";
+    PIXEL_REPRESENTATION = 0x0028, 0x0103, "PixelRepresentation";
+    PIXEL_PADDING_VALUE = 0x0028, 0x0120, "PixelPaddingValue";
+    WINDOW_CENTER = 0x0028, 0x1050, "WindowCenter";
+    WINDOW_WIDTH = 0x0028, 0x1051, "WindowWidth";
+    RESCALE_INTERCEPT = 0x0028, 0x1052, "RescaleIntercept";
+    RESCALE_SLOPE = 0x0028, 0x1053, "RescaleSlope";
+    RESCALE_TYPE = 0x0028, 0x1054, "RescaleType";
+    MODALITY_LUT_SEQUENCE = 0x0028, 0x3000, "ModalityLUTSequence";
+    PIXEL_MEASURES_SEQUENCE = 0x0028, 0x9110, "PixelMeasuresSequence";
+    FRAME_VOILUT_SEQUENCE = 0x0028, 0x9132, "FrameVOILUTSequence";
+    PIXEL_VALUE_TRANSFORMATION_SEQUENCE = 0x0028, 0x9145, "PixelValueTransformationSequence";
+    DETECTOR_INFORMATION_SEQUENCE = 0x0054, 0x0022, "DetectorInformationSequence";
+    UNITS = 0x0054, 0x1001, "Units";
+    DOSE_UNITS = 0x3004, 0x0002, "DoseUnits";
+    GRID_FRAME_OFFSET_VECTOR = 0x3004, 0x000C, "GridFrameOffsetVector";
+    DOSE_GRID_SCALING = 0x3004, 0x000E, "DoseGridScaling";
+    SHARED_FUNCTIONAL_GROUPS_SEQUENCE = 0x5200, 0x9229, "SharedFunctionalGroupsSequence";
+    PER_FRAME_FUNCTIONAL_GROUPS_SEQUENCE = 0x5200, 0x9230, "PerFrameFunctionalGroupsSequence";
+    EXTENDED_OFFSET_TABLE = 0x7FE0, 0x0001, "ExtendedOffsetTable";
+    FLOAT_PIXEL_DATA = 0x7FE0, 0x0008, "FloatPixelData";
+    DOUBLE_FLOAT_PIXEL_DATA = 0x7FE0, 0x0009, "DoubleFloatPixelData";
+    PIXEL_DATA = 0x7FE0, 0x0010, "PixelData";
+}
