@@ -172,27 +172,74 @@ fn bounding_radius_mm(grid: &Grid) -> f64 {
     }
 }
 
+/// [`Camera`] with everything said.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct SettledCamera {
+    pub projection: SettledProjection,
+    pub place: Place,
+    pub focus: [f64; 3],
+    pub zoom: f64,
+}
+
+/// How rays spread, before zoom.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum SettledProjection {
+    Perspective { view_angle_deg: f64 },
+    Orthographic { height_mm: f64 },
+}
+
+/// Where a camera stands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Place {
+    Orbit {
+        view: View,
+        elevation_deg: f64,
+        azimuth_deg: f64,
+    },
+    Free {
+        position: [f64; 3],
+        up: [f64; 3],
+    },
+}
+
 impl Camera {
-    pub(crate) fn settled(&self, header: &VolumeHeader, size: [u32; 2]) -> Camera {
+    /// The camera that this means for a volume of this header; keys that do not go together are problems.
+    pub(crate) fn settled(
+        &self,
+        header: &VolumeHeader,
+        size: [u32; 2],
+        checker: &mut Checker,
+    ) -> SettledCamera {
+        self.check_together(checker);
         let grid = &header.grid;
-        let mut camera = *self;
-        let projection = *camera.projection.get_or_insert(Projection::Perspective);
-        camera
-            .focus
-            .get_or_insert_with(|| grid.centre_mm().to_array());
-        match projection {
-            Projection::Perspective => {
-                camera.view_angle_deg.get_or_insert(VIEW_ANGLE_DEG);
-            }
-            Projection::Orthographic => {
-                let aspect = aspect(size);
-                camera
+        let projection = match self.projection.unwrap_or(Projection::Perspective) {
+            Projection::Perspective => SettledProjection::Perspective {
+                view_angle_deg: self.view_angle_deg.unwrap_or(VIEW_ANGLE_DEG),
+            },
+            Projection::Orthographic => SettledProjection::Orthographic {
+                height_mm: self
                     .height_mm
-                    .get_or_insert_with(|| 2.0 * bounding_radius_mm(grid) / aspect.min(1.0));
-            }
-        }
-        if camera.position.is_some() {
-            camera.up.get_or_insert_with(|| {
+                    .unwrap_or_else(|| 2.0 * bounding_radius_mm(grid) / aspect(size).min(1.0)),
+            },
+        };
+        let focus = self.focus.unwrap_or_else(|| grid.centre_mm().to_array());
+        let place = self.place(header);
+        let unzoomed = SettledCamera {
+            projection,
+            place,
+            focus,
+            zoom: 1.0,
+        };
+        let zoom = self.zoom.unwrap_or_else(|| match place {
+            Place::Free { .. } => 1.0,
+            Place::Orbit { .. } => unzoomed.fitting_zoom(grid, size),
+        });
+        SettledCamera { zoom, ..unzoomed }
+    }
+
+    fn place(&self, header: &VolumeHeader) -> Place {
+        if let Some(position) = self.position {
+            let up = self.up.unwrap_or_else(|| {
                 let up = if is_patient(header) {
                     DVec3::Z
                 } else {
@@ -200,35 +247,106 @@ impl Camera {
                 };
                 up.to_array()
             });
-            camera.zoom.get_or_insert(1.0);
-        } else {
-            let (view, elevation, azimuth) = start_view(header);
-            // Angles that are given count from a plain view, not from the three-quarter view.
-            let plain = camera.view.is_some()
-                || camera.elevation_deg.is_some()
-                || camera.azimuth_deg.is_some();
-            camera.view.get_or_insert(view);
-            camera
-                .elevation_deg
-                .get_or_insert(if plain { 0.0 } else { elevation });
-            camera
-                .azimuth_deg
-                .get_or_insert(if plain { 0.0 } else { azimuth });
-            if camera.zoom.is_none() {
-                camera.zoom = Some(camera.fitting_zoom(grid, size));
+            return Place::Free { position, up };
+        }
+        let (view, elevation_deg, azimuth_deg) = start_view(header);
+        // Angles that are given count from a plain view, not from the three-quarter view.
+        let plain =
+            self.view.is_some() || self.elevation_deg.is_some() || self.azimuth_deg.is_some();
+        let start = |angle: f64| if plain { 0.0 } else { angle };
+        Place::Orbit {
+            view: self.view.unwrap_or(view),
+            elevation_deg: self.elevation_deg.unwrap_or(start(elevation_deg)),
+            azimuth_deg: self.azimuth_deg.unwrap_or(start(azimuth_deg)),
+        }
+    }
+
+    fn check_together(&self, checker: &mut Checker) {
+        match self.projection.unwrap_or(Projection::Perspective) {
+            Projection::Perspective => {
+                if let Some(height) = self.height_mm {
+                    checker.add(
+                        "camera.height_mm",
+                        height,
+                        "view_angle_deg instead; a height belongs to an orthographic projection",
+                    );
+                }
+            }
+            Projection::Orthographic => {
+                if let Some(angle) = self.view_angle_deg {
+                    checker.add(
+                        "camera.view_angle_deg",
+                        angle,
+                        "height_mm instead; an angle belongs to a perspective projection",
+                    );
+                }
+            }
+        }
+        if self.position.is_some() {
+            for (given, key) in [
+                (self.view.is_some(), "view"),
+                (self.elevation_deg.is_some(), "elevation_deg"),
+                (self.azimuth_deg.is_some(), "azimuth_deg"),
+            ] {
+                if given {
+                    checker.add(
+                        format!("camera.{key}"),
+                        "given beside position",
+                        "either position, focus and up, or view, elevation_deg and azimuth_deg",
+                    );
+                }
+            }
+        } else if let Some(up) = self.up {
+            checker.add(
+                "camera.up",
+                format!("{up:?} without position"),
+                "view, elevation_deg and azimuth_deg; up belongs to a camera with position",
+            );
+        }
+    }
+}
+
+impl SettledCamera {
+    /// As a scene says it.
+    pub fn scene(&self) -> Camera {
+        let mut camera = Camera {
+            focus: Some(self.focus),
+            zoom: Some(self.zoom),
+            ..Camera::default()
+        };
+        match self.projection {
+            SettledProjection::Perspective { view_angle_deg } => {
+                camera.projection = Some(Projection::Perspective);
+                camera.view_angle_deg = Some(view_angle_deg);
+            }
+            SettledProjection::Orthographic { height_mm } => {
+                camera.projection = Some(Projection::Orthographic);
+                camera.height_mm = Some(height_mm);
+            }
+        }
+        match self.place {
+            Place::Orbit {
+                view,
+                elevation_deg,
+                azimuth_deg,
+            } => {
+                camera.view = Some(view);
+                camera.elevation_deg = Some(elevation_deg);
+                camera.azimuth_deg = Some(azimuth_deg);
+            }
+            Place::Free { position, up } => {
+                camera.position = Some(position);
+                camera.up = Some(up);
             }
         }
         camera
     }
 
-    /// The zoom at which the sampled box of the volume just fits; 1 where that makes no sense.
+    /// The zoom of this camera, whose zoom is 1, at which the sampled box of the volume just fits; 1 where that makes
+    /// no sense.
     fn fitting_zoom(&self, grid: &Grid, size: [u32; 2]) -> f64 {
         let mut ignored = Checker::default();
-        let unzoomed = Camera {
-            zoom: Some(1.0),
-            ..*self
-        };
-        let Some(camera) = unzoomed.plan(grid, size, &mut ignored) else {
+        let Some(camera) = self.plan(grid, size, &mut ignored) else {
             return 1.0;
         };
         let aspect = aspect(size);
@@ -267,55 +385,48 @@ impl Camera {
         }
     }
 
-    /// The camera of a plan; `self` must be settled.
-    pub(crate) fn plan(
-        &self,
-        grid: &Grid,
-        size: [u32; 2],
-        checker: &mut Checker,
-    ) -> Option<PlanCamera> {
+    /// The camera of a plan.
+    pub fn plan(&self, grid: &Grid, size: [u32; 2], checker: &mut Checker) -> Option<PlanCamera> {
         let before = checker.problems.len();
-        let aspect = aspect(size);
-        let zoom = self.zoom.unwrap_or(1.0);
+        let zoom = self.zoom;
         checker.number("camera.zoom", zoom, Within::Closed(1e-3, 1e6));
-        let focus = self.focus.unwrap_or(grid.centre_mm().to_array());
-        checker.point("camera.focus", focus);
-        let focus = DVec3::from_array(focus);
-
-        let projection = self.projection.unwrap_or(Projection::Perspective);
-        let view_angle = self.view_angle_deg.unwrap_or(VIEW_ANGLE_DEG);
-        match projection {
-            Projection::Perspective => {
+        checker.point("camera.focus", self.focus);
+        let focus = DVec3::from_array(self.focus);
+        match self.projection {
+            SettledProjection::Perspective { view_angle_deg } => checker.number(
+                "camera.view_angle_deg",
+                view_angle_deg,
+                Within::Closed(0.01, 179.0),
+            ),
+            SettledProjection::Orthographic { height_mm } => {
+                checker.number("camera.height_mm", height_mm, Within::Above(0.0, 1e12))
+            }
+        };
+        let (eye, up, up_path) = match self.place {
+            Place::Free { position, up } => free(position, up, focus, checker),
+            Place::Orbit {
+                view,
+                elevation_deg,
+                azimuth_deg,
+            } => {
                 checker.number(
-                    "camera.view_angle_deg",
-                    view_angle,
-                    Within::Closed(0.01, 179.0),
+                    "camera.elevation_deg",
+                    elevation_deg,
+                    Within::Closed(-89.9, 89.9),
                 );
-                if let Some(height) = self.height_mm {
-                    checker.add(
-                        "camera.height_mm",
-                        height,
-                        "view_angle_deg instead; a height belongs to an orthographic projection",
-                    );
-                }
+                checker.number(
+                    "camera.azimuth_deg",
+                    azimuth_deg,
+                    Within::Closed(-3600.0, 3600.0),
+                );
+                let turn = view.turned(elevation_deg, azimuth_deg);
+                let distance = bounding_radius_mm(grid) / self.half_angle(aspect(size)).sin();
+                (
+                    focus + turn * distance,
+                    view.axes().1,
+                    "camera.elevation_deg",
+                )
             }
-            Projection::Orthographic => {
-                if let Some(height) = self.height_mm {
-                    checker.number("camera.height_mm", height, Within::Above(0.0, 1e12));
-                }
-                if let Some(angle) = self.view_angle_deg {
-                    checker.add(
-                        "camera.view_angle_deg",
-                        angle,
-                        "height_mm instead; an angle belongs to a perspective projection",
-                    );
-                }
-            }
-        }
-
-        let (eye, up, up_path) = match self.position {
-            Some(position) => self.free(position, focus, checker),
-            None => self.orbit(grid, focus, projection, view_angle, aspect, checker),
         };
         if checker.problems.len() > before {
             return None;
@@ -332,113 +443,88 @@ impl Camera {
             return None;
         }
         let right = right.normalize();
-        let plan_projection = match projection {
-            Projection::Perspective => PlanProjection::Perspective {
-                tan_half_height: (0.5 * view_angle.to_radians() / zoom).tan(),
-            },
-            Projection::Orthographic => PlanProjection::Orthographic {
-                half_height_mm: 0.5 * self.height_mm.unwrap_or(2.0 * bounding_radius_mm(grid))
-                    / zoom,
-            },
-        };
-        // A zoom below 1 may open the angle to 180° and more.
-        if view_angle / zoom >= 180.0 && projection == Projection::Perspective {
-            checker.add(
-                "camera.zoom",
-                zoom,
-                &format!(
-                    "above {:.4}, so that view_angle_deg / zoom stays below 180",
-                    view_angle / 180.0
-                ),
-            );
-            return None;
-        }
         Some(PlanCamera {
             eye_mm: eye,
             right,
             up: right.cross(forward).normalize(),
             forward,
-            projection: plan_projection,
+            projection: self.plan_projection(checker)?,
         })
     }
 
-    fn free(
-        &self,
-        position: [f64; 3],
-        focus: DVec3,
-        checker: &mut Checker,
-    ) -> (DVec3, DVec3, &'static str) {
-        for (given, key) in [
-            (self.view.is_some(), "view"),
-            (self.elevation_deg.is_some(), "elevation_deg"),
-            (self.azimuth_deg.is_some(), "azimuth_deg"),
-        ] {
-            if given {
+    fn plan_projection(&self, checker: &mut Checker) -> Option<PlanProjection> {
+        let zoom = self.zoom;
+        match self.projection {
+            // A zoom below 1 may open the angle to 180° and more.
+            SettledProjection::Perspective { view_angle_deg } if view_angle_deg / zoom >= 180.0 => {
                 checker.add(
-                    format!("camera.{key}"),
-                    "given beside position",
-                    "either position, focus and up, or view, elevation_deg and azimuth_deg",
+                    "camera.zoom",
+                    zoom,
+                    &format!(
+                        "above {:.4}, so that view_angle_deg / zoom stays below 180",
+                        view_angle_deg / 180.0
+                    ),
                 );
+                None
             }
+            SettledProjection::Perspective { view_angle_deg } => {
+                Some(PlanProjection::Perspective {
+                    tan_half_height: (0.5 * view_angle_deg.to_radians() / zoom).tan(),
+                })
+            }
+            SettledProjection::Orthographic { height_mm } => Some(PlanProjection::Orthographic {
+                half_height_mm: 0.5 * height_mm / zoom,
+            }),
         }
-        let up = self.up.unwrap_or([0.0, 0.0, 1.0]);
-        if checker.point("camera.up", up) && DVec3::from_array(up).length() < 1e-12 {
-            checker.add("camera.up", format!("{up:?}"), "three numbers, not all 0");
-        }
-        let eye = DVec3::from_array(position);
-        if checker.point("camera.position", position) && eye.distance(focus) < 1e-9 {
-            checker.add(
-                "camera.position",
-                format!("{position:?}, the focus"),
-                "a point away from the focus",
-            );
-        }
-        (eye, DVec3::from_array(up), "camera.up")
     }
 
-    fn orbit(
-        &self,
-        grid: &Grid,
-        focus: DVec3,
-        projection: Projection,
-        view_angle: f64,
-        aspect: f64,
-        checker: &mut Checker,
-    ) -> (DVec3, DVec3, &'static str) {
-        if let Some(up) = self.up {
-            checker.add(
-                "camera.up",
-                format!("{up:?} without position"),
-                "view, elevation_deg and azimuth_deg; up belongs to a camera with position",
-            );
-        }
-        let elevation = self.elevation_deg.unwrap_or(0.0);
-        let azimuth = self.azimuth_deg.unwrap_or(0.0);
-        checker.number(
-            "camera.elevation_deg",
-            elevation,
-            Within::Closed(-89.9, 89.9),
-        );
-        checker.number(
-            "camera.azimuth_deg",
-            azimuth,
-            Within::Closed(-3600.0, 3600.0),
-        );
-        let (towards_eye, up) = self.view.unwrap_or(View::Front).axes();
-        let right = up.cross(towards_eye);
-        let raised = DQuat::from_axis_angle(-right, elevation.to_radians()) * towards_eye;
-        let turned = DQuat::from_axis_angle(up, azimuth.to_radians()) * raised;
-        // A portrait picture is narrower than its view angle says: the sphere must fit its width.
-        let half_angle = 0.5 * view_angle.to_radians();
-        let half_angle = match projection {
-            Projection::Perspective if aspect < 1.0 => (half_angle.tan() * aspect).atan(),
-            Projection::Perspective => half_angle,
+    /// Half the angle from the eye of an orbit within which the bounding sphere fits.
+    fn half_angle(&self, aspect: f64) -> f64 {
+        match self.projection {
+            SettledProjection::Perspective { view_angle_deg } => {
+                let half_angle = 0.5 * view_angle_deg.to_radians();
+                // A portrait picture is narrower than its view angle says: the sphere must fit its width.
+                if aspect < 1.0 {
+                    (half_angle.tan() * aspect).atan()
+                } else {
+                    half_angle
+                }
+            }
             // The eye only needs to be outside the volume.
-            Projection::Orthographic => 15f64.to_radians(),
-        };
-        let distance = bounding_radius_mm(grid) / half_angle.sin();
-        (focus + turned * distance, up, "camera.elevation_deg")
+            SettledProjection::Orthographic { .. } => 15f64.to_radians(),
+        }
     }
+}
+
+impl View {
+    /// From the volume to the eye of a camera that is raised, and then turned about the up direction.
+    fn turned(self, elevation_deg: f64, azimuth_deg: f64) -> DVec3 {
+        let (towards_eye, up) = self.axes();
+        let right = up.cross(towards_eye);
+        let raised = DQuat::from_axis_angle(-right, elevation_deg.to_radians()) * towards_eye;
+        DQuat::from_axis_angle(up, azimuth_deg.to_radians()) * raised
+    }
+}
+
+/// The eye and the up direction of a camera at `position`, and the key that says what is up.
+fn free(
+    position: [f64; 3],
+    up: [f64; 3],
+    focus: DVec3,
+    checker: &mut Checker,
+) -> (DVec3, DVec3, &'static str) {
+    if checker.point("camera.up", up) && DVec3::from_array(up).length() < 1e-12 {
+        checker.add("camera.up", format!("{up:?}"), "three numbers, not all 0");
+    }
+    let eye = DVec3::from_array(position);
+    if checker.point("camera.position", position) && eye.distance(focus) < 1e-9 {
+        checker.add(
+            "camera.position",
+            format!("{position:?}, the focus"),
+            "a point away from the focus",
+        );
+    }
+    (eye, DVec3::from_array(up), "camera.up")
 }
 
 /// The view, elevation and azimuth of a camera that says nothing.

@@ -117,14 +117,76 @@ pub enum Keep {
     Outside,
 }
 
+/// [`Clip`] with everything said.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct SettledClip {
+    pub shape: SettledShape,
+    /// `None`: all.
+    pub objects: Option<Vec<String>>,
+}
+
+/// What cuts.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum SettledShape {
+    Plane {
+        normal: [f64; 3],
+        place: PlanePlace,
+    },
+    Box(SettledBox),
+    Ellipsoid(SettledBox),
+    Cylinder(SettledBox),
+    Mask {
+        path: String,
+        inside: MaskInside,
+        keep: Keep,
+    },
+}
+
+/// Where a plane lies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum PlanePlace {
+    Point([f64; 3]),
+    DistanceMm(f64),
+}
+
+/// [`BoxClip`] with everything said.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct SettledBox {
+    pub min: [f64; 3],
+    pub max: [f64; 3],
+    pub space: BoxSpace,
+    pub rotation_deg: [f64; 3],
+    pub keep: Keep,
+}
+
+/// What of a file is the inside of a mask.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum MaskInside {
+    Above(f64),
+    Labels(Vec<LabelName>),
+}
+
+impl MaskInside {
+    /// Values above this are inside; masks of labels hold 1 there and 0 elsewhere.
+    fn threshold(&self) -> f64 {
+        match self {
+            MaskInside::Above(threshold) => *threshold,
+            MaskInside::Labels(_) => DEFAULT_THRESHOLD,
+        }
+    }
+}
+
+/// Halfway between nothing and 1.
+const DEFAULT_THRESHOLD: f64 = 0.5;
+
 /// What a clip needs to know of the scene around it.
 pub(crate) struct ClipPlaces<'c> {
     /// Of the scene's own volume, that boxes may count in.
     pub grid: &'c Grid,
     /// Of each mask, in the order of the clips.
     pub masks: &'c [Grid],
-    /// Of each object, in the order of the Plan, `None` for nameless ones.
-    pub names: &'c [Option<String>],
+    /// Of each layer, in the order of the Plan, `None` for nameless ones.
+    pub names: Vec<Option<&'c str>>,
 }
 
 /// The clips of a plan.
@@ -145,107 +207,198 @@ impl Clip {
         }
     }
 
-    pub(crate) fn settled(self, grid: &Grid) -> Clip {
-        let shape = |clip: BoxClip| BoxClip {
-            space: clip.space.or(Some(BoxSpace::World)),
-            rotation_deg: clip.rotation_deg.or(Some([0.0; 3])),
-            keep: clip.keep.or(Some(Keep::Inside)),
-            ..clip
+    /// The clip that this means beside a volume on `grid`; keys that do not go together are problems.
+    pub(crate) fn settled(&self, grid: &Grid, path: &str, checker: &mut Checker) -> SettledClip {
+        let (shape, objects) = match self {
+            Clip::Plane(plane) => {
+                let place = plane.place(grid, path, checker);
+                let normal = plane.normal;
+                (SettledShape::Plane { normal, place }, &plane.objects)
+            }
+            Clip::Box(clip) => (SettledShape::Box(clip.settled()), &clip.objects),
+            Clip::Ellipsoid(clip) => (SettledShape::Ellipsoid(clip.settled()), &clip.objects),
+            Clip::Cylinder(clip) => (SettledShape::Cylinder(clip.settled()), &clip.objects),
+            Clip::Mask(mask) => {
+                let shape = SettledShape::Mask {
+                    path: mask.path.clone(),
+                    inside: mask.inside(path, checker),
+                    keep: mask.keep.unwrap_or(Keep::Inside),
+                };
+                (shape, &mask.objects)
+            }
         };
-        match self {
-            Clip::Plane(plane) => Clip::Plane(PlaneClip {
-                point: plane.point.or(plane
-                    .distance_mm
-                    .is_none()
-                    .then(|| grid.centre_mm().to_array())),
-                ..plane
-            }),
-            Clip::Box(clip) => Clip::Box(shape(clip)),
-            Clip::Ellipsoid(clip) => Clip::Ellipsoid(shape(clip)),
-            Clip::Cylinder(clip) => Clip::Cylinder(shape(clip)),
-            Clip::Mask(mask) => Clip::Mask(MaskClip {
-                threshold: mask.threshold.or(mask.labels.is_none().then_some(0.5)),
-                keep: mask.keep.or(Some(Keep::Inside)),
-                ..mask
-            }),
+        SettledClip {
+            shape,
+            objects: objects.clone(),
+        }
+    }
+}
+
+impl PlaneClip {
+    fn place(&self, grid: &Grid, path: &str, checker: &mut Checker) -> PlanePlace {
+        if let (Some(_), Some(distance)) = (self.point, self.distance_mm) {
+            checker.add(
+                format!("{path}.plane.distance_mm"),
+                distance,
+                "either point or distance_mm",
+            );
+        }
+        match (self.point, self.distance_mm) {
+            (None, Some(distance_mm)) => PlanePlace::DistanceMm(distance_mm),
+            (point, _) => PlanePlace::Point(point.unwrap_or_else(|| grid.centre_mm().to_array())),
+        }
+    }
+}
+
+impl BoxClip {
+    fn settled(&self) -> SettledBox {
+        SettledBox {
+            min: self.min,
+            max: self.max,
+            space: self.space.unwrap_or(BoxSpace::World),
+            rotation_deg: self.rotation_deg.unwrap_or([0.0; 3]),
+            keep: self.keep.unwrap_or(Keep::Inside),
+        }
+    }
+}
+
+impl SettledClip {
+    /// As a scene says it.
+    pub fn scene(&self) -> Clip {
+        let objects = self.objects.clone();
+        let of_box = |clip: &SettledBox| BoxClip {
+            min: clip.min,
+            max: clip.max,
+            space: Some(clip.space),
+            rotation_deg: Some(clip.rotation_deg),
+            keep: Some(clip.keep),
+            objects: objects.clone(),
+        };
+        match &self.shape {
+            SettledShape::Plane { normal, place } => {
+                let (point, distance_mm) = match *place {
+                    PlanePlace::Point(point) => (Some(point), None),
+                    PlanePlace::DistanceMm(distance_mm) => (None, Some(distance_mm)),
+                };
+                Clip::Plane(PlaneClip {
+                    normal: *normal,
+                    point,
+                    distance_mm,
+                    objects,
+                })
+            }
+            SettledShape::Box(clip) => Clip::Box(of_box(clip)),
+            SettledShape::Ellipsoid(clip) => Clip::Ellipsoid(of_box(clip)),
+            SettledShape::Cylinder(clip) => Clip::Cylinder(of_box(clip)),
+            SettledShape::Mask { path, inside, keep } => {
+                let (threshold, labels) = match inside {
+                    MaskInside::Above(threshold) => (Some(*threshold), None),
+                    MaskInside::Labels(labels) => (None, Some(labels.clone())),
+                };
+                Clip::Mask(MaskClip {
+                    path: path.clone(),
+                    threshold,
+                    labels,
+                    keep: Some(*keep),
+                    objects,
+                })
+            }
         }
     }
 
-    /// Adds the clip to a plan's; `self` must be settled. A box that keeps its inside is convex: it
-    /// becomes six planes, so that rays start at its faces.
-    pub(crate) fn plan(
+    /// Adds the clip to a plan's. A box that keeps its inside is convex: it becomes six planes, so that rays start at
+    /// its faces.
+    pub fn plan(
         &self,
         path: &str,
         places: &ClipPlaces,
         checker: &mut Checker,
         clips: &mut PlanClips,
     ) {
-        let (kind, shape, clip) = match self {
-            Clip::Plane(plane) => {
+        let (kind, shape, clip) = match &self.shape {
+            SettledShape::Plane { normal, place } => {
                 let path = format!("{path}.plane");
-                let layers = layers(&path, &plane.objects, places.names, checker);
-                let plane = plane.plan(&path, checker);
+                let layers = layers(&path, &self.objects, &places.names, checker);
+                let plane = plan_plane(*normal, *place, &path, checker);
                 clips
                     .planes
                     .extend(plane.map(|plane| ClipPlane { layers, ..plane }));
                 return;
             }
-            Clip::Mask(mask) => {
-                mask.plan(&format!("{path}.mask"), places, checker, clips);
+            SettledShape::Mask {
+                path: file,
+                inside,
+                keep,
+            } => {
+                let path = format!("{path}.mask");
+                let layers = layers(&path, &self.objects, &places.names, checker);
+                let clip = plan_mask(file, inside.threshold(), &path, places, checker, clips);
+                clips.shapes.extend(clip.map(|clip| SampleClip {
+                    keep_inside: *keep == Keep::Inside,
+                    layers,
+                    ..clip
+                }));
                 return;
             }
-            Clip::Box(clip) => ("box", ClipShape::Box, clip),
-            Clip::Ellipsoid(clip) => ("ellipsoid", ClipShape::Ellipsoid, clip),
-            Clip::Cylinder(clip) => ("cylinder", ClipShape::Cylinder, clip),
+            SettledShape::Box(clip) => ("box", ClipShape::Box, clip),
+            SettledShape::Ellipsoid(clip) => ("ellipsoid", ClipShape::Ellipsoid, clip),
+            SettledShape::Cylinder(clip) => ("cylinder", ClipShape::Cylinder, clip),
         };
         let path = format!("{path}.{kind}");
-        let layers = layers(&path, &clip.objects, places.names, checker);
+        let layers = layers(&path, &self.objects, &places.names, checker);
         let Some(unit_from_world) = clip.plan(&path, places.grid, checker) else {
             return;
         };
-        let keep_inside = clip.keep != Some(Keep::Outside);
-        if shape != ClipShape::Box || !keep_inside {
+        let keep_inside = clip.keep == Keep::Inside;
+        if shape == ClipShape::Box && keep_inside {
+            clips.planes.extend(faces(&unit_from_world, layers));
+        } else {
             clips.shapes.push(SampleClip {
                 shape,
                 unit_from_world,
                 keep_inside,
                 layers,
             });
-            return;
-        }
-        let rows = unit_from_world.matrix3.transpose();
-        let shift = unit_from_world.translation;
-        for (row, shift) in [
-            (rows.x_axis, shift.x),
-            (rows.y_axis, shift.y),
-            (rows.z_axis, shift.z),
-        ] {
-            let length = row.length();
-            for side in [1.0, -1.0] {
-                clips.planes.push(ClipPlane {
-                    normal: side * row / length,
-                    offset_mm: (0.5 + side * shift) / length,
-                    layers,
-                });
-            }
         }
     }
+}
+
+/// The planes that keep the inside of a box.
+fn faces(unit_from_world: &DAffine3, layers: LayerSet) -> Vec<ClipPlane> {
+    let rows = unit_from_world.matrix3.transpose();
+    let shift = unit_from_world.translation;
+    let mut planes = Vec::new();
+    for (row, shift) in [
+        (rows.x_axis, shift.x),
+        (rows.y_axis, shift.y),
+        (rows.z_axis, shift.z),
+    ] {
+        let length = row.length();
+        for side in [1.0, -1.0] {
+            planes.push(ClipPlane {
+                normal: side * row / length,
+                offset_mm: (0.5 + side * shift) / length,
+                layers,
+            });
+        }
+    }
+    planes
 }
 
 /// The layers of the objects that have these names.
 fn layers(
     path: &str,
     wanted: &Option<Vec<String>>,
-    names: &[Option<String>],
+    names: &[Option<&str>],
     checker: &mut Checker,
 ) -> LayerSet {
     let Some(wanted) = wanted else {
         return ALL_LAYERS;
     };
-    let known: Vec<&str> = names.iter().flatten().map(String::as_str).collect();
+    let known: Vec<&str> = names.iter().flatten().copied().collect();
     let mut set = 0;
     for (i, name) in wanted.iter().enumerate() {
-        match names.iter().position(|known| known.as_ref() == Some(name)) {
+        match names.iter().position(|known| *known == Some(name.as_str())) {
             Some(layer) => set |= 1 << layer,
             None => checker.add(
                 format!("{path}.objects[{i}]"),
@@ -288,57 +441,69 @@ impl MaskClip {
         Ok(ids)
     }
 
-    fn plan(&self, path: &str, places: &ClipPlaces, checker: &mut Checker, clips: &mut PlanClips) {
-        let layers = layers(path, &self.objects, places.names, checker);
-        if self.labels.as_ref().is_some_and(Vec::is_empty) {
-            checker.add(format!("{path}.labels"), "empty", "one label or more");
+    /// What of the file is inside. `path` is that of the clip.
+    fn inside(&self, path: &str, checker: &mut Checker) -> MaskInside {
+        let Some(labels) = &self.labels else {
+            return MaskInside::Above(self.threshold.unwrap_or(DEFAULT_THRESHOLD));
+        };
+        if labels.is_empty() {
+            checker.add(format!("{path}.mask.labels"), "empty", "one label or more");
         }
-        if let (Some(_), Some(threshold)) = (&self.labels, self.threshold) {
+        if let Some(threshold) = self.threshold {
             checker.add(
-                format!("{path}.threshold"),
+                format!("{path}.mask.threshold"),
                 threshold,
                 "either labels or a threshold",
             );
         }
-        let threshold = self.threshold.unwrap_or(0.5);
-        checker.number(
-            &format!("{path}.threshold"),
-            threshold,
-            Within::Closed(-1e30, 1e30),
-        );
-        let mask = clips.masks;
-        clips.masks += 1;
-        if mask >= MOST_MASKS {
-            checker.add(
-                path,
-                "one mask more",
-                &format!("at most {MOST_MASKS} masks in one picture"),
-            );
-            return;
-        }
-        let Some(grid) = places.masks.get(mask) else {
-            checker.add(
-                path,
-                format!("{:?}, which is not loaded", self.path),
-                "a mask that is handed over with the scene",
-            );
-            return;
-        };
-        let (first, last) = grid.extent_in_voxels();
-        let voxel_from_unit = DAffine3::from_mat3_translation(
-            DMat3::from_diagonal(last - first),
-            0.5 * (first + last),
-        );
-        clips.shapes.push(SampleClip {
-            shape: ClipShape::Mask {
-                mask,
-                threshold: threshold as f32,
-            },
-            unit_from_world: (grid.world_from_voxel() * voxel_from_unit).inverse(),
-            keep_inside: self.keep != Some(Keep::Outside),
-            layers,
-        });
+        MaskInside::Labels(labels.clone())
     }
+}
+
+/// A mask that keeps its inside of every layer.
+fn plan_mask(
+    file: &str,
+    threshold: f64,
+    path: &str,
+    places: &ClipPlaces,
+    checker: &mut Checker,
+    clips: &mut PlanClips,
+) -> Option<SampleClip> {
+    checker.number(
+        &format!("{path}.threshold"),
+        threshold,
+        Within::Closed(-1e30, 1e30),
+    );
+    let mask = clips.masks;
+    clips.masks += 1;
+    if mask >= MOST_MASKS {
+        checker.add(
+            path,
+            "one mask more",
+            &format!("at most {MOST_MASKS} masks in one picture"),
+        );
+        return None;
+    }
+    let Some(grid) = places.masks.get(mask) else {
+        checker.add(
+            path,
+            format!("{file:?}, which is not loaded"),
+            "a mask that is handed over with the scene",
+        );
+        return None;
+    };
+    let (first, last) = grid.extent_in_voxels();
+    let voxel_from_unit =
+        DAffine3::from_mat3_translation(DMat3::from_diagonal(last - first), 0.5 * (first + last));
+    Some(SampleClip {
+        shape: ClipShape::Mask {
+            mask,
+            threshold: threshold as f32,
+        },
+        unit_from_world: (grid.world_from_voxel() * voxel_from_unit).inverse(),
+        keep_inside: true,
+        layers: ALL_LAYERS,
+    })
 }
 
 /// The labels with these ascending ids, with names where they have any, as far as they fit a message.
@@ -366,50 +531,46 @@ fn listed(ids: &[u32], labels: &LabelVolume) -> String {
     }
 }
 
-impl PlaneClip {
-    fn plan(&self, path: &str, checker: &mut Checker) -> Option<ClipPlane> {
-        let before = checker.problems.len();
-        let normal = DVec3::from_array(self.normal);
-        if !normal.is_finite() || normal.abs().max_element() > 1e12 || normal.length() < 1e-12 {
-            checker.add(
-                format!("{path}.normal"),
-                format!("{:?}", self.normal),
-                "three numbers, not all 0",
-            );
-        }
-        let normal = normal.normalize_or_zero();
-        let offset_mm = match (self.point, self.distance_mm) {
-            (Some(_), Some(distance)) => {
-                checker.add(
-                    format!("{path}.distance_mm"),
-                    distance,
-                    "either point or distance_mm",
-                );
-                0.0
-            }
-            (Some(point), None) => {
-                checker.point(&format!("{path}.point"), point);
-                -normal.dot(DVec3::from_array(point))
-            }
-            (None, distance) => {
-                let distance = distance.unwrap_or(0.0);
-                checker.number(
-                    &format!("{path}.distance_mm"),
-                    distance,
-                    Within::Closed(-1e12, 1e12),
-                );
-                -distance
-            }
-        };
-        (checker.problems.len() == before).then_some(ClipPlane {
-            normal,
-            offset_mm,
-            layers: ALL_LAYERS,
-        })
+/// A plane that cuts every layer.
+fn plan_plane(
+    normal: [f64; 3],
+    place: PlanePlace,
+    path: &str,
+    checker: &mut Checker,
+) -> Option<ClipPlane> {
+    let before = checker.problems.len();
+    let direction = DVec3::from_array(normal);
+    if !direction.is_finite() || direction.abs().max_element() > 1e12 || direction.length() < 1e-12
+    {
+        checker.add(
+            format!("{path}.normal"),
+            format!("{normal:?}"),
+            "three numbers, not all 0",
+        );
     }
+    let normal = direction.normalize_or_zero();
+    let offset_mm = match place {
+        PlanePlace::Point(point) => {
+            checker.point(&format!("{path}.point"), point);
+            -normal.dot(DVec3::from_array(point))
+        }
+        PlanePlace::DistanceMm(distance) => {
+            checker.number(
+                &format!("{path}.distance_mm"),
+                distance,
+                Within::Closed(-1e12, 1e12),
+            );
+            -distance
+        }
+    };
+    (checker.problems.len() == before).then_some(ClipPlane {
+        normal,
+        offset_mm,
+        layers: ALL_LAYERS,
+    })
 }
 
-impl BoxClip {
+impl SettledBox {
     fn plan(&self, path: &str, grid: &Grid, checker: &mut Checker) -> Option<DAffine3> {
         let before = checker.problems.len();
         let good = checker.point(&format!("{path}.min"), self.min)
@@ -422,7 +583,7 @@ impl BoxClip {
                 &format!("larger than min {:?} in every part", self.min),
             );
         }
-        let turn = self.rotation_deg.unwrap_or([0.0; 3]);
+        let turn = self.rotation_deg;
         for (axis, degrees) in turn.into_iter().enumerate() {
             checker.number(
                 &format!("{path}.rotation_deg[{axis}]"),
@@ -430,8 +591,7 @@ impl BoxClip {
                 Within::Closed(-360.0, 360.0),
             );
         }
-        let space = self.space.unwrap_or(BoxSpace::World);
-        if space != BoxSpace::World && turn != [0.0; 3] {
+        if self.space != BoxSpace::World && turn != [0.0; 3] {
             checker.add(
                 format!("{path}.rotation_deg"),
                 format!("{turn:?}"),
@@ -451,7 +611,7 @@ impl BoxClip {
         let space_from_unit =
             DAffine3::from_mat3_translation(turned * DMat3::from_diagonal(size), 0.5 * (min + max));
         let (first, last) = grid.extent_in_voxels();
-        let world_from_space = match space {
+        let world_from_space = match self.space {
             BoxSpace::World => DAffine3::IDENTITY,
             BoxSpace::Voxels => grid.world_from_voxel(),
             BoxSpace::Fraction => {

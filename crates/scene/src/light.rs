@@ -90,87 +90,133 @@ impl Light {
         }
     }
 
-    pub(crate) fn settled(self) -> Light {
-        let directional = self.kind == LightKind::Directional;
-        Light {
-            kind: self.kind,
-            space: self.space.or(directional.then_some(LightSpace::Camera)),
-            azimuth_deg: self.azimuth_deg.or(directional.then_some(0.0)),
-            elevation_deg: self.elevation_deg.or(directional.then_some(0.0)),
-            position: self.position,
-            reach_mm: self
-                .reach_mm
-                .or((self.kind == LightKind::Point).then_some(500.0)),
-            color: self.color.or(Some(Color::WHITE)),
-            intensity: self.intensity.or(Some(1.0)),
+    /// The light that this means; keys that its kind does not have are problems.
+    pub(crate) fn settled(self, path: &str, checker: &mut Checker) -> SettledLight {
+        self.check_together(path, checker);
+        SettledLight {
+            place: match self.kind {
+                LightKind::Directional => LightPlace::Directional {
+                    space: self.space.unwrap_or(LightSpace::Camera),
+                    azimuth_deg: self.azimuth_deg.unwrap_or(0.0),
+                    elevation_deg: self.elevation_deg.unwrap_or(0.0),
+                },
+                LightKind::Point => LightPlace::Point {
+                    position: self.position,
+                    reach_mm: self.reach_mm.unwrap_or(500.0),
+                },
+                LightKind::Head => LightPlace::Head,
+            },
+            color: self.color.unwrap_or(Color::WHITE),
+            intensity: self.intensity.unwrap_or(1.0),
         }
     }
 
-    /// The light of a plan; `self` must be settled.
-    pub(crate) fn plan(
-        &self,
+    fn check_together(&self, path: &str, checker: &mut Checker) {
+        let (kind, why) = match self.kind {
+            LightKind::Directional => ("a directional", "it comes from infinitely far away"),
+            LightKind::Point => ("a point", "it shines in every direction"),
+            LightKind::Head => ("a head", "it always comes from the eye"),
+        };
+        let directional = self.kind == LightKind::Directional;
+        let point = self.kind == LightKind::Point;
+        for (given, fits, key) in [
+            (self.space.is_some(), directional, "space"),
+            (self.azimuth_deg.is_some(), directional, "azimuth_deg"),
+            (self.elevation_deg.is_some(), directional, "elevation_deg"),
+            (self.position.is_some(), point, "position"),
+            (self.reach_mm.is_some(), point, "reach_mm"),
+        ] {
+            if given && !fits {
+                checker.add(
+                    format!("{path}.{key}"),
+                    format!("given for {kind} light"),
+                    &format!("nothing: {why}"),
+                );
+            }
+        }
+    }
+}
+
+/// [`Light`] with everything said.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct SettledLight {
+    pub place: LightPlace,
+    pub color: Color,
+    pub intensity: f64,
+}
+
+/// Where a light comes from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum LightPlace {
+    Directional {
+        space: LightSpace,
+        azimuth_deg: f64,
+        elevation_deg: f64,
+    },
+    Point {
+        /// There is no default: without one the light is a problem.
+        position: Option<[f64; 3]>,
+        reach_mm: f64,
+    },
+    Head,
+}
+
+impl SettledLight {
+    /// As a scene says it.
+    pub fn scene(self) -> Light {
+        let light = |kind| Light {
+            kind,
+            space: None,
+            azimuth_deg: None,
+            elevation_deg: None,
+            position: None,
+            reach_mm: None,
+            color: Some(self.color),
+            intensity: Some(self.intensity),
+        };
+        match self.place {
+            LightPlace::Directional {
+                space,
+                azimuth_deg,
+                elevation_deg,
+            } => Light {
+                space: Some(space),
+                azimuth_deg: Some(azimuth_deg),
+                elevation_deg: Some(elevation_deg),
+                ..light(LightKind::Directional)
+            },
+            LightPlace::Point { position, reach_mm } => Light {
+                position,
+                reach_mm: Some(reach_mm),
+                ..light(LightKind::Point)
+            },
+            LightPlace::Head => light(LightKind::Head),
+        }
+    }
+
+    /// The light of a plan.
+    pub fn plan(
+        self,
         path: &str,
         camera: &PlanCamera,
         compositing: Compositing,
         checker: &mut Checker,
     ) -> Option<PlanLight> {
         let before = checker.problems.len();
-        let color = self.color.unwrap_or(Color::WHITE);
-        check_color(&format!("{path}.color"), color, checker);
-        let intensity = self.intensity.unwrap_or(1.0);
-        checker.number(
-            &format!("{path}.intensity"),
-            intensity,
-            Within::Closed(0.0, 1000.0),
-        );
-        let radiance = color
+        check_color(&format!("{path}.color"), self.color, checker);
+        let mut number = |key: &str, value: f64, within: Within| {
+            checker.number(&format!("{path}.{key}"), value, within);
+        };
+        number("intensity", self.intensity, Within::Closed(0.0, 1000.0));
+        let radiance = self
+            .color
             .in_space(compositing)
-            .map(|part| part * intensity as f32);
-        let directional = self.kind == LightKind::Directional;
-        let point = self.kind == LightKind::Point;
-        for (given, key, allowed) in [
-            (self.space.is_some() && !directional, "space", "nothing"),
-            (
-                self.azimuth_deg.is_some() && !directional,
-                "azimuth_deg",
-                "nothing",
-            ),
-            (
-                self.elevation_deg.is_some() && !directional,
-                "elevation_deg",
-                "nothing",
-            ),
-            (self.position.is_some() && !point, "position", "nothing"),
-            (self.reach_mm.is_some() && !point, "reach_mm", "nothing"),
-        ] {
-            if given {
-                let (kind, why) = match self.kind {
-                    LightKind::Directional => {
-                        ("a directional", "it comes from infinitely far away")
-                    }
-                    LightKind::Point => ("a point", "it shines in every direction"),
-                    LightKind::Head => ("a head", "it always comes from the eye"),
-                };
-                checker.add(
-                    format!("{path}.{key}"),
-                    format!("given for {kind} light"),
-                    &format!("{allowed}: {why}"),
-                );
-            }
-        }
-        match self.kind {
-            LightKind::Directional => {}
-            LightKind::Head => {
-                return (checker.problems.len() == before).then_some(PlanLight::Head { radiance });
-            }
-            LightKind::Point => {
-                let reach = self.reach_mm.unwrap_or(500.0);
-                checker.number(
-                    &format!("{path}.reach_mm"),
-                    reach,
-                    Within::Closed(1e-3, 1e6),
-                );
-                let Some(position) = self.position else {
+            .map(|part| part * self.intensity as f32);
+        let light = match self.place {
+            LightPlace::Head => PlanLight::Head { radiance },
+            LightPlace::Point { position, reach_mm } => {
+                number("reach_mm", reach_mm, Within::Closed(1e-3, 1e6));
+                let Some(position) = position else {
                     checker.add(
                         format!("{path}.position"),
                         "missing",
@@ -179,34 +225,40 @@ impl Light {
                     return None;
                 };
                 checker.point(&format!("{path}.position"), position);
-                return (checker.problems.len() == before).then_some(PlanLight::Point {
+                PlanLight::Point {
                     place_mm: DVec3::from_array(position),
-                    reach_mm: reach as f32,
+                    reach_mm: reach_mm as f32,
                     radiance,
-                });
+                }
             }
-        }
-        let azimuth = self.azimuth_deg.unwrap_or(0.0);
-        let elevation = self.elevation_deg.unwrap_or(0.0);
-        checker.number(
-            &format!("{path}.azimuth_deg"),
-            azimuth,
-            Within::Closed(-360.0, 360.0),
-        );
-        checker.number(
-            &format!("{path}.elevation_deg"),
-            elevation,
-            Within::Closed(-90.0, 90.0),
-        );
-        let (right, up, towards_eye) = match self.space.unwrap_or(LightSpace::Camera) {
+            LightPlace::Directional {
+                space,
+                azimuth_deg,
+                elevation_deg,
+            } => {
+                number("azimuth_deg", azimuth_deg, Within::Closed(-360.0, 360.0));
+                number("elevation_deg", elevation_deg, Within::Closed(-90.0, 90.0));
+                PlanLight::Directional {
+                    to_light: space.towards(azimuth_deg, elevation_deg, camera),
+                    radiance,
+                }
+            }
+        };
+        (checker.problems.len() == before).then_some(light)
+    }
+}
+
+impl LightSpace {
+    /// Towards a light at these angles: a unit vector of the world.
+    fn towards(self, azimuth_deg: f64, elevation_deg: f64, camera: &PlanCamera) -> DVec3 {
+        let (right, up, towards_eye) = match self {
             LightSpace::Camera => (camera.right, camera.up, -camera.forward),
             LightSpace::World => (-DVec3::X, DVec3::Z, DVec3::Y),
         };
-        let (sin_a, cos_a) = azimuth.to_radians().sin_cos();
-        let (sin_e, cos_e) = elevation.to_radians().sin_cos();
-        let to_light = (towards_eye * (cos_a * cos_e) + right * (sin_a * cos_e) + up * sin_e)
-            .normalize_or(towards_eye);
-        (checker.problems.len() == before).then_some(PlanLight::Directional { to_light, radiance })
+        let (sin_a, cos_a) = azimuth_deg.to_radians().sin_cos();
+        let (sin_e, cos_e) = elevation_deg.to_radians().sin_cos();
+        (towards_eye * (cos_a * cos_e) + right * (sin_a * cos_e) + up * sin_e)
+            .normalize_or(towards_eye)
     }
 }
 

@@ -2,6 +2,8 @@
 
 use crate::Scene;
 use crate::nearest::nearest;
+use serde::de::{Deserialize, Deserializer, Visitor};
+use serde::forward_to_deserialize_any;
 use serde_json::error::Category;
 
 /// No scene is longer; a text that is was not meant as one.
@@ -121,6 +123,38 @@ impl Scene {
         text.push('\n');
         text
     }
+}
+
+/// The keys of a scene, in its order.
+pub(crate) fn keys() -> &'static [&'static str] {
+    /// Has itself told the fields of a struct, and gives nothing.
+    struct Fields<'k>(&'k mut &'static [&'static str]);
+    impl<'de> Deserializer<'de> for Fields<'_> {
+        type Error = serde::de::value::Error;
+
+        fn deserialize_struct<V: Visitor<'de>>(
+            self,
+            _: &'static str,
+            fields: &'static [&'static str],
+            visitor: V,
+        ) -> Result<V::Value, Self::Error> {
+            *self.0 = fields;
+            self.deserialize_any(visitor)
+        }
+
+        fn deserialize_any<V: Visitor<'de>>(self, _: V) -> Result<V::Value, Self::Error> {
+            Err(serde::de::Error::custom("only the keys are asked for"))
+        }
+
+        forward_to_deserialize_any! {
+            bool i8 i16 i32 i64 u8 u16 u32 u64 f32 f64 char str string bytes byte_buf option unit
+            unit_struct newtype_struct seq tuple tuple_struct map enum identifier ignored_any
+        }
+    }
+    let mut keys: &[&str] = &[];
+    // It cannot succeed.
+    let _ = Scene::deserialize(Fields(&mut keys));
+    keys
 }
 
 /// The JSON schema of scenes, as checked in at `docs/scene.schema.json`.

@@ -86,63 +86,93 @@ impl SamplingRule {
     }
 }
 
-const DEFAULT_ERROR: f64 = 0.01;
-
-const DEFAULT_SHARE: f64 = 0.2;
+/// [`Sampling`] with a number for everything, also for what the rule does not ask for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct SettledSampling {
+    pub rule: SamplingRule,
+    pub parts: u32,
+    pub error: f64,
+    pub share: f64,
+}
 
 impl Sampling {
-    /// With every default filled in.
-    pub(crate) fn settled(self) -> Sampling {
+    /// The sampling that this means; keys that its rule does not have are problems.
+    pub(crate) fn settled(self, checker: &mut Checker) -> SettledSampling {
         let rule = self.rule.unwrap_or(match self.error {
             Some(_) => SamplingRule::Adaptive,
             None => SamplingRule::Regular,
         });
+        for (given, fits, key, allowed) in [
+            (
+                self.parts.is_some(),
+                rule.default_parts().is_some(),
+                "parts",
+                "refine, split and split-cubic divide a step",
+            ),
+            (
+                self.error.is_some(),
+                rule == SamplingRule::Adaptive,
+                "error",
+                "it belongs to adaptive",
+            ),
+            (
+                self.share.is_some(),
+                rule == SamplingRule::ByOpacity,
+                "share",
+                "it belongs to by-opacity",
+            ),
+        ] {
+            if given && !fits {
+                checker.add(
+                    format!("sampling.{key}"),
+                    format!("given for rule {:?}", rule.name()),
+                    &format!("nothing: {allowed}"),
+                );
+            }
+        }
+        SettledSampling {
+            rule,
+            parts: match rule.default_parts() {
+                Some(parts) => self.parts.unwrap_or(parts),
+                None => 1,
+            },
+            error: match rule {
+                SamplingRule::Adaptive => self.error.unwrap_or(0.01),
+                _ => 0.0,
+            },
+            share: match rule {
+                SamplingRule::ByOpacity => self.share.unwrap_or(0.2),
+                _ => 0.0,
+            },
+        }
+    }
+}
+
+impl SettledSampling {
+    /// As a scene says it.
+    pub fn scene(self) -> Sampling {
+        let rule = self.rule;
         Sampling {
             rule: Some(rule),
-            parts: self.parts.or(rule.default_parts()),
-            error: self
-                .error
-                .or((rule == SamplingRule::Adaptive).then_some(DEFAULT_ERROR)),
-            share: self
-                .share
-                .or((rule == SamplingRule::ByOpacity).then_some(DEFAULT_SHARE)),
+            parts: rule.default_parts().map(|_| self.parts),
+            error: (rule == SamplingRule::Adaptive).then_some(self.error),
+            share: (rule == SamplingRule::ByOpacity).then_some(self.share),
         }
     }
 
-    /// A settled sampling with every number checked.
-    pub(crate) fn plan(self, checker: &mut Checker) -> plan::Sampling {
-        let rule = self.rule.unwrap_or(SamplingRule::Regular);
-        let parts = self.parts.or(rule.default_parts()).unwrap_or(1);
-        let given_for = format!("given for rule {:?}", rule.name());
-        if self.parts.is_some() && rule.default_parts().is_none() {
-            checker.add(
-                "sampling.parts",
-                &given_for,
-                "nothing: refine, split and split-cubic divide a step",
-            );
-        } else if !(1..=64).contains(&parts) {
+    /// With every number checked.
+    pub fn plan(self, checker: &mut Checker) -> plan::Sampling {
+        let SettledSampling {
+            rule,
+            parts,
+            error,
+            share,
+        } = self;
+        if !(1..=64).contains(&parts) {
             checker.add("sampling.parts", parts, "1 to 64");
         }
-        let error = self.error.unwrap_or(DEFAULT_ERROR);
-        if self.error.is_some() && rule != SamplingRule::Adaptive {
-            checker.add(
-                "sampling.error",
-                &given_for,
-                "nothing: it belongs to adaptive",
-            );
-        } else {
-            checker.number("sampling.error", error, Within::Closed(0.0, 0.5));
-        }
-        let share = self.share.unwrap_or(DEFAULT_SHARE);
-        if self.share.is_some() && rule != SamplingRule::ByOpacity {
-            checker.add(
-                "sampling.share",
-                &given_for,
-                "nothing: it belongs to by-opacity",
-            );
-        } else {
-            checker.number("sampling.share", share, Within::Closed(0.0, 1.0));
-        }
+        checker.number("sampling.error", error, Within::Closed(0.0, 0.5));
+        checker.number("sampling.share", share, Within::Closed(0.0, 1.0));
         match rule {
             SamplingRule::Regular => plan::Sampling::Regular,
             SamplingRule::Refine => plan::Sampling::Refine { parts },

@@ -421,50 +421,77 @@ impl std::str::FromStr for ToneMap {
     }
 }
 
+/// [`Display`] with everything said.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct SettledDisplay {
+    pub exposure: f64,
+    pub tone_map: ToneMap,
+    /// Read by the tone maps that have one.
+    pub white_point: f64,
+    /// `None`: the curve of sRGB.
+    pub gamma: Option<f64>,
+    pub fxaa: bool,
+}
+
 impl Display {
     /// The numbers of this, then of `preset`, then the defaults.
-    pub(crate) fn settled(self, preset: Display) -> Display {
+    pub(crate) fn settled(self, preset: Display, checker: &mut Checker) -> SettledDisplay {
         let tone_map = self.tone_map.or(preset.tone_map).unwrap_or(ToneMap::Clamp);
+        let default_white = tone_map.default_white_point();
+        if let (Some(white), None) = (self.white_point, default_white) {
+            checker.add(
+                "display.white_point",
+                Number(white),
+                &format!(
+                    "none with tone_map {:?}; reinhard-extended and hable have one",
+                    tone_map.name()
+                ),
+            );
+        }
         let preset_white = (preset.tone_map == Some(tone_map)).then_some(preset.white_point);
-        Display {
-            exposure: self.exposure.or(preset.exposure).or(Some(1.0)),
-            tone_map: Some(tone_map),
-            white_point: self
-                .white_point
-                .or(preset_white.flatten())
-                .or(tone_map.default_white_point()),
+        SettledDisplay {
+            exposure: self.exposure.or(preset.exposure).unwrap_or(1.0),
+            tone_map,
+            white_point: match default_white {
+                Some(white) => self.white_point.or(preset_white.flatten()).unwrap_or(white),
+                None => 1.0,
+            },
             gamma: self.gamma.or(preset.gamma),
-            fxaa: self.fxaa.or(preset.fxaa).or(Some(false)),
+            fxaa: self.fxaa.or(preset.fxaa).unwrap_or(false),
+        }
+    }
+}
+
+impl SettledDisplay {
+    /// As a scene says it.
+    pub fn scene(self) -> Display {
+        Display {
+            exposure: Some(self.exposure),
+            tone_map: Some(self.tone_map),
+            white_point: self
+                .tone_map
+                .default_white_point()
+                .map(|_| self.white_point),
+            gamma: self.gamma,
+            fxaa: Some(self.fxaa),
         }
     }
 
-    /// A settled display with every number checked.
-    pub(crate) fn plan(self, checker: &mut Checker) -> plan::Display {
-        let exposure = self.exposure.unwrap_or(1.0);
-        checker.number("display.exposure", exposure, Within::Closed(1e-6, 1e6));
-        let tone_map = self.tone_map.unwrap_or(ToneMap::Clamp);
-        let default_white = tone_map.default_white_point();
-        if let Some(white) = self.white_point {
-            if default_white.is_none() {
-                checker.add(
-                    "display.white_point",
-                    Number(white),
-                    &format!(
-                        "none with tone_map {:?}; reinhard-extended and hable have one",
-                        tone_map.name()
-                    ),
-                );
-            } else {
-                checker.number("display.white_point", white, Within::Closed(1e-3, 1e6));
-            }
-        }
+    /// With every number checked.
+    pub fn plan(self, checker: &mut Checker) -> plan::Display {
+        checker.number("display.exposure", self.exposure, Within::Closed(1e-6, 1e6));
+        checker.number(
+            "display.white_point",
+            self.white_point,
+            Within::Closed(1e-3, 1e6),
+        );
         if let Some(gamma) = self.gamma {
             checker.number("display.gamma", gamma, Within::Closed(0.1, 10.0));
         }
-        let white = self.white_point.or(default_white).unwrap_or(1.0) as f32;
+        let white = self.white_point as f32;
         plan::Display {
-            exposure: exposure as f32,
-            tone_map: match tone_map {
+            exposure: self.exposure as f32,
+            tone_map: match self.tone_map {
                 ToneMap::Clamp => plan::ToneMap::Clamp,
                 ToneMap::Reinhard => plan::ToneMap::Reinhard,
                 ToneMap::ReinhardExtended => plan::ToneMap::ReinhardExtended { white },
@@ -477,7 +504,7 @@ impl Display {
                     gamma: gamma as f32,
                 },
             },
-            fxaa: self.fxaa.unwrap_or(false),
+            fxaa: self.fxaa,
         }
     }
 }

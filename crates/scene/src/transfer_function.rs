@@ -172,78 +172,93 @@ const MOST_ENTRIES: usize = 1 << 16;
 /// With fewer entries than this (64 KiB, at home in a processor's second cache) nothing is saved.
 const FEWEST_ENTRIES: usize = 1 << 12;
 
-impl TransferFunction {
-    pub(crate) fn settled(&self, method: Method, header: &VolumeHeader) -> TransferFunction {
-        let mut settled = self.clone();
-        let states = |what: fn(&TransferPoint) -> bool| {
-            self.points
-                .as_ref()
-                .is_some_and(|points| points.iter().any(what))
-        };
-        let colors = states(|point| point.color.is_some());
-        let opacities = states(|point| point.opacity.is_some());
-        if !colors {
-            settled.color_map.get_or_insert(ColorMap::Grey);
-        }
-        if !opacities {
-            settled.opacity.get_or_insert([0.0, 1.0]);
-        }
-        let relative = self.points_in == Some(PointsIn::Window) && self.points.is_some();
-        let uses_window =
-            !colors || !opacities || relative || self.window.is_some() || self.level.is_some();
-        if uses_window {
-            let automatic = Window::automatic(method, header);
-            settled.window.get_or_insert(automatic.width());
-            settled.level.get_or_insert(automatic.middle());
-        }
-        if let (true, Some(window), Some(level), Some(points)) = (
-            relative,
-            settled.window,
-            settled.level,
-            settled.points.as_mut(),
-        ) {
-            for point in points {
-                point.value = round_to_width(level + (point.value - 0.5) * window, window);
-            }
-            // The window has done its work unless a colour map or a ramp stands on it.
-            if colors && opacities && self.window.is_none() && self.level.is_none() {
-                (settled.window, settled.level) = (None, None);
-            }
-        }
-        if settled.points.is_some() {
-            settled.points_in = Some(PointsIn::Values);
-        }
-        if settled.reference_mm.is_none() {
-            settled.reference_voxels.get_or_insert(1.0);
-        }
-        settled
-    }
+/// [`TransferFunction`] with everything said that it stands on.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct SettledFunction {
+    /// In values.
+    pub points: Vec<TransferPoint>,
+    /// `None`: colours are the points'.
+    pub color_map: Option<ColorMap>,
+    /// At the ends of the window; `None`: opacities are the points'.
+    pub opacity: Option<[f64; 2]>,
+    /// `None` if nothing counts in it.
+    pub window: Option<SettledWindow>,
+    pub reference: Reference,
+}
 
-    /// The table of a plan; `self` must be settled.
-    pub(crate) fn plan(
+/// A window of values.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct SettledWindow {
+    pub level: f64,
+    pub width: f64,
+}
+
+/// The length of material that an opacity belongs to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Reference {
+    Mm(f64),
+    /// Mean voxel spacings.
+    Voxels(f64),
+}
+
+impl SettledWindow {
+    pub fn ends(self) -> [f64; 2] {
+        let half = 0.5 * self.width;
+        [self.level - half, self.level + half]
+    }
+}
+
+impl TransferFunction {
+    /// `path` is that of the object it belongs to, with a dot; empty for the scene's own volume.
+    pub(crate) fn settled(
         &self,
+        method: Method,
         header: &VolumeHeader,
-        compositing: Compositing,
+        path: &str,
         checker: &mut Checker,
-    ) -> Option<TransferTable> {
-        let before = checker.problems.len();
-        self.check(header, checker);
-        if checker.problems.len() > before {
-            return None;
+    ) -> SettledFunction {
+        if self.points.as_ref().is_some_and(Vec::is_empty) {
+            let path = format!("{path}transfer_function.points");
+            checker.add(path, "empty", "one point or more");
         }
-        let mean_spacing = header.grid.mean_spacing_mm();
-        let reference_mm =
-            self.reference_mm
-                .unwrap_or(self.reference_voxels.unwrap_or(1.0) * mean_spacing) as f32;
-        if !(reference_mm > 0.0 && reference_mm.is_finite()) {
-            checker.add(
-                "transfer_function.reference_mm",
-                reference_mm,
-                "a length that a 32-bit number can hold",
-            );
-            return None;
+        let mut points = self.points.clone().unwrap_or_default();
+        let colors = points.iter().any(|point| point.color.is_some());
+        let opacities = points.iter().any(|point| point.opacity.is_some());
+        let relative = self.points_in == Some(PointsIn::Window) && !points.is_empty();
+        let says_window = self.window.is_some() || self.level.is_some();
+        let window = (!colors || !opacities || relative || says_window).then(|| {
+            let automatic = Window::automatic(method, header);
+            SettledWindow {
+                level: self.level.unwrap_or(automatic.middle()),
+                width: self.window.unwrap_or(automatic.width()),
+            }
+        });
+        if let (true, Some(SettledWindow { level, width })) = (relative, window) {
+            for point in &mut points {
+                point.value = round_to_width(level + (point.value - 0.5) * width, width);
+            }
         }
-        Some(self.curves().table(header, reference_mm, compositing))
+        // The window has done its work unless a colour map or a ramp stands on it.
+        let stands_on_window = !colors || !opacities || says_window;
+        SettledFunction {
+            points,
+            color_map: self.color_map.or((!colors).then_some(ColorMap::Grey)),
+            opacity: self.opacity.or((!opacities).then_some([0.0, 1.0])),
+            window: window.filter(|_| stands_on_window),
+            reference: match (self.reference_mm, self.reference_voxels) {
+                (Some(mm), voxels) => {
+                    if let Some(voxels) = voxels {
+                        checker.add(
+                            format!("{path}transfer_function.reference_voxels"),
+                            voxels,
+                            "either reference_mm or reference_voxels",
+                        );
+                    }
+                    Reference::Mm(mm)
+                }
+                (None, voxels) => Reference::Voxels(voxels.unwrap_or(1.0)),
+            },
+        }
     }
 
     /// This transfer function with what it does not say taken from a preset's. Points replace the
@@ -298,12 +313,57 @@ impl TransferFunction {
             },
         }
     }
+}
+
+impl SettledFunction {
+    /// As a scene says it.
+    pub fn scene(&self) -> TransferFunction {
+        let has_points = !self.points.is_empty();
+        let (reference_mm, reference_voxels) = match self.reference {
+            Reference::Mm(mm) => (Some(mm), None),
+            Reference::Voxels(voxels) => (None, Some(voxels)),
+        };
+        TransferFunction {
+            points: has_points.then(|| self.points.clone()),
+            points_in: has_points.then_some(PointsIn::Values),
+            window: self.window.map(|window| window.width),
+            level: self.window.map(|window| window.level),
+            color_map: self.color_map,
+            opacity: self.opacity,
+            reference_mm,
+            reference_voxels,
+        }
+    }
+
+    /// The table of a plan.
+    pub fn plan(
+        &self,
+        header: &VolumeHeader,
+        compositing: Compositing,
+        checker: &mut Checker,
+    ) -> Option<TransferTable> {
+        let before = checker.problems.len();
+        self.check(header, checker);
+        if checker.problems.len() > before {
+            return None;
+        }
+        let reference_mm = match self.reference {
+            Reference::Mm(mm) => mm,
+            Reference::Voxels(voxels) => voxels * header.grid.mean_spacing_mm(),
+        } as f32;
+        if !(reference_mm > 0.0 && reference_mm.is_finite()) {
+            checker.add(
+                "transfer_function.reference_mm",
+                reference_mm,
+                "a length that a 32-bit number can hold",
+            );
+            return None;
+        }
+        Some(self.curves().table(header, reference_mm, compositing))
+    }
 
     fn check(&self, header: &VolumeHeader, checker: &mut Checker) {
-        let points = self.points.as_deref().unwrap_or(&[]);
-        if self.points.is_some() && points.is_empty() {
-            checker.add("transfer_function.points", "empty", "one point or more");
-        }
+        let points = &self.points;
         if points.len() > MOST_ENTRIES {
             checker.add(
                 "transfer_function.points",
@@ -365,43 +425,31 @@ impl TransferFunction {
                 );
             }
         }
-        if let Some(window) = self.window {
+        if let Some(SettledWindow { level, width }) = self.window {
             checker.number(
                 "transfer_function.window",
-                window,
+                width,
                 // As wide as the widest volume.
                 Within::Above(0.0, 2.0 * LARGEST_VALUE),
             );
-        }
-        if let Some(level) = self.level {
             checker.number(
                 "transfer_function.level",
                 level,
                 Within::Closed(-LARGEST_VALUE, LARGEST_VALUE),
             );
         }
-        match (self.reference_mm, self.reference_voxels) {
-            (Some(_), Some(voxels)) => checker.add(
+        match self.reference {
+            Reference::Mm(mm) => checker.number(
+                "transfer_function.reference_mm",
+                mm,
+                Within::Closed(1e-9, 1e9),
+            ),
+            Reference::Voxels(voxels) => checker.number(
                 "transfer_function.reference_voxels",
                 voxels,
-                "either reference_mm or reference_voxels",
+                Within::Closed(1e-6, 1e6),
             ),
-            (Some(mm), None) => {
-                checker.number(
-                    "transfer_function.reference_mm",
-                    mm,
-                    Within::Closed(1e-9, 1e9),
-                );
-            }
-            (None, Some(voxels)) => {
-                checker.number(
-                    "transfer_function.reference_voxels",
-                    voxels,
-                    Within::Closed(1e-6, 1e6),
-                );
-            }
-            (None, None) => {}
-        }
+        };
         // What cannot be said of a scene alone: the values of the file itself.
         let [lo, hi] = header.statistics.range;
         if !(lo.abs() <= LARGEST_VALUE && hi.abs() <= LARGEST_VALUE) {
@@ -414,29 +462,25 @@ impl TransferFunction {
     }
 
     fn curves(&self) -> Curves {
-        let points = self.points.as_deref().unwrap_or(&[]);
-        let half = 0.5 * self.window.unwrap_or(1.0);
-        let middle = self.level.unwrap_or(0.5);
-        let window = [middle - half, middle + half];
-        let colors: Vec<_> = points
-            .iter()
-            .filter_map(|point| Some((point.value, point.color?.0)))
-            .collect();
-        let opacities: Vec<_> = points
-            .iter()
-            .filter_map(|point| Some((point.value, [point.opacity?])))
-            .collect();
+        // Without a window nothing below counts in it.
+        let window = self.window.map_or([0.0, 1.0], SettledWindow::ends);
+        let points = &self.points;
         Curves {
-            color: if colors.is_empty() {
-                ColorCurve::Map(self.color_map.unwrap_or(ColorMap::Grey), window)
-            } else {
-                ColorCurve::Points(colors)
+            color: match self.color_map {
+                Some(map) => ColorCurve::Map(map, window),
+                None => ColorCurve::Points(
+                    points
+                        .iter()
+                        .filter_map(|point| Some((point.value, point.color?.0)))
+                        .collect(),
+                ),
             },
-            opacity: if opacities.is_empty() {
-                let [lo, hi] = self.opacity.unwrap_or([0.0, 1.0]);
-                vec![(window[0], [lo]), (window[1], [hi])]
-            } else {
-                opacities
+            opacity: match self.opacity {
+                Some([lo, hi]) => vec![(window[0], [lo]), (window[1], [hi])],
+                None => points
+                    .iter()
+                    .filter_map(|point| Some((point.value, [point.opacity?])))
+                    .collect(),
             },
         }
     }

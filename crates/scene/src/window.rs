@@ -100,6 +100,26 @@ pub(crate) fn otsu_threshold(statistics: &Statistics) -> f64 {
     lo + (hi - lo) * (best_bin as f64 + 1.0) / bins.len().max(1) as f64
 }
 
+/// The surface that divides a volume best.
+pub(crate) fn automatic_threshold(header: &VolumeHeader) -> f64 {
+    let [lo, hi] = header.statistics.range;
+    // Of a volume that no f32 can hold, `resolve` refuses the values and not this.
+    round_to_width(otsu_threshold(&header.statistics), hi - lo).clamp(-1e30, 1e30)
+}
+
+/// A steep gradient: the whole window of values within two voxels.
+pub(crate) fn steep_per_mm(header: &VolumeHeader) -> f64 {
+    let [lo, hi] = header.statistics.range;
+    let steep = 0.5 * (hi - lo) / header.grid.mean_spacing_mm();
+    round_to_width(steep, steep).clamp(1e-30, 1e30)
+}
+
+/// All values, from black to white: what is shown when nothing is classified.
+pub(crate) fn value_range(header: &VolumeHeader) -> [f32; 2] {
+    let [lo, hi] = header.statistics.range.map(|v| v as f32);
+    if lo < hi { [lo, hi] } else { [lo, lo + 1.0] }
+}
+
 /// Mean of the values above `threshold`.
 fn mean_above(statistics: &Statistics, threshold: f64) -> f64 {
     let [lo, hi] = statistics.range;

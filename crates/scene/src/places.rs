@@ -1,0 +1,189 @@
+//! Where everything of a scene lies in the world.
+
+use crate::object::{OWN_VOLUME, placements};
+use crate::problem::Checker;
+use crate::{Headers, Scene, SceneObject};
+use glam::{DAffine3, DMat3, DVec3};
+use strahl_volume::{Grid, VolumeHeader};
+
+/// Where everything of a scene lies in the world.
+pub(crate) struct Places {
+    /// The scene's own volume, then those of its objects.
+    pub volumes: Vec<PlacedVolume>,
+    pub meshes: Vec<PlacedMesh>,
+    /// The header of the scene's own volume, with a grid around everything: what the camera frames.
+    pub framed: VolumeHeader,
+}
+
+/// A volume that is drawn.
+pub(crate) struct PlacedVolume {
+    /// Which object of the scene it is; `None` for the scene's own volume.
+    pub object: Option<usize>,
+    /// What clips call it.
+    pub name: Option<String>,
+    /// Which of the headers it has.
+    pub volume: usize,
+    /// Where its voxels lie.
+    pub grid: Grid,
+}
+
+/// A mesh that is drawn.
+pub(crate) struct PlacedMesh {
+    /// Which object of the scene it is.
+    pub object: usize,
+    /// Which of the meshes.
+    pub mesh: usize,
+    /// What the scene calls its file.
+    pub file: String,
+    pub world_from_mesh: DAffine3,
+}
+
+impl Places {
+    pub fn new(scene: &Scene, headers: &Headers, checker: &mut Checker) -> Places {
+        let objects = scene.objects.as_deref().unwrap_or(&[]);
+        let worlds = placements(scene.transform.as_ref(), objects, checker);
+        let own = &headers.volumes[0];
+        let mut places = Places {
+            volumes: vec![PlacedVolume {
+                object: None,
+                name: Some(OWN_VOLUME.to_owned()),
+                volume: 0,
+                grid: place(&own.grid, worlds[0], "transform", checker),
+            }],
+            meshes: Vec::new(),
+            framed: own.clone(),
+        };
+        for (i, volume) in volume_indices(objects).into_iter().enumerate() {
+            if let Some(file) = &objects[i].mesh {
+                places.meshes.push(PlacedMesh {
+                    object: i,
+                    mesh: places.meshes.len(),
+                    file: file.clone(),
+                    world_from_mesh: worlds[1 + i],
+                });
+            }
+            let Some((volume, header)) = volume.and_then(|v| Some((v, headers.volumes.get(v)?)))
+            else {
+                continue;
+            };
+            let path = format!("objects[{i}].transform");
+            places.volumes.push(PlacedVolume {
+                object: Some(i),
+                name: objects[i].name.clone(),
+                volume,
+                grid: place(&header.grid, worlds[1 + i], &path, checker),
+            });
+        }
+        places.framed.grid = places.around(headers);
+        places
+    }
+
+    /// The grid of one volume, or a box around all.
+    fn around(&self, headers: &Headers) -> Grid {
+        let own = &self.volumes[0].grid;
+        if self.volumes.len() == 1 && self.meshes.is_empty() {
+            return *own;
+        }
+        let (mut lo, mut hi) = own.bounds_mm();
+        for volume in &self.volumes {
+            let (a, b) = volume.grid.bounds_mm();
+            (lo, hi) = (lo.min(a), hi.max(b));
+        }
+        for mesh in &self.meshes {
+            let Some([a, b]) = headers.meshes.get(mesh.mesh) else {
+                continue;
+            };
+            for corner in 0..8 {
+                let at = |axis: usize| {
+                    if corner >> axis & 1 == 0 {
+                        a[axis]
+                    } else {
+                        b[axis]
+                    }
+                };
+                let corner = DVec3::new(at(0), at(1), at(2));
+                let corner = mesh.world_from_mesh.transform_point3(corner);
+                (lo, hi) = (lo.min(corner), hi.max(corner));
+            }
+        }
+        let cube = DAffine3::from_mat3_translation(DMat3::from_diagonal(hi - lo), 0.5 * (lo + hi));
+        Grid::new([1; 3], cube).unwrap_or(*own)
+    }
+}
+
+/// `grid`, moved.
+fn place(grid: &Grid, world: DAffine3, path: &str, checker: &mut Checker) -> Grid {
+    if world == DAffine3::IDENTITY {
+        return *grid;
+    }
+    Grid::new(grid.dims(), world * grid.world_from_voxel()).unwrap_or_else(|error| {
+        checker.add(
+            path,
+            format!("a transform after which {error}"),
+            "a volume of a size that can be drawn",
+        );
+        *grid
+    })
+}
+
+/// Which of the headers each object shows; `None` for meshes, groups and what cannot be found.
+fn volume_indices(objects: &[SceneObject]) -> Vec<Option<usize>> {
+    let mut next = 0;
+    let own: Vec<_> = objects
+        .iter()
+        .map(|object| {
+            object.volume.is_some().then(|| {
+                next += 1;
+                next
+            })
+        })
+        .collect();
+    let index = |(object, own): (&SceneObject, &Option<usize>)| match (own, &object.like) {
+        (Some(own), _) => Some(*own),
+        (None, Some(like)) if like == OWN_VOLUME => Some(0),
+        (None, Some(like)) => own_named(objects, like).and_then(|i| {
+            objects[..i]
+                .iter()
+                .filter(|o| o.volume.is_some())
+                .count()
+                .checked_add(1)
+        }),
+        (None, None) => None,
+    };
+    objects.iter().zip(&own).map(index).collect()
+}
+
+/// The object with a volume of its own that has this name.
+fn own_named(objects: &[SceneObject], name: &str) -> Option<usize> {
+    objects
+        .iter()
+        .position(|o| o.name.as_deref() == Some(name) && o.volume.is_some())
+}
+
+/// That labels lie on the grid of the volume.
+pub(crate) fn check_labels(grid: &Grid, labels: &Grid, checker: &mut Checker) {
+    // A tenth of a voxel: headers round, but no label volume is drawn one voxel off.
+    if grid.matches(labels, 0.1 * grid.min_spacing_mm()) {
+        return;
+    }
+    let describe = |grid: &Grid| {
+        let [x, y, z] = grid.dims();
+        let spacing = grid.spacing_mm();
+        let centre = grid.centre_mm();
+        format!(
+            "{x}×{y}×{z} voxels of {:.4}×{:.4}×{:.4} mm, axes {}, centre ({:.2}, {:.2}, {:.2}) mm",
+            spacing.x,
+            spacing.y,
+            spacing.z,
+            grid.orientation(),
+            centre.x,
+            centre.y,
+            centre.z
+        )
+    };
+    checker.add(
+        "labels",
+        format!("on a grid of {}", describe(labels)),
+        &format!("the volume's grid: {}", describe(grid)),
+    );
+}

@@ -1,0 +1,139 @@
+//! How light and surface make a colour: from what a scene says to the Plan's [`Shade`].
+
+use crate::plan::{Illuminate, Shade};
+use crate::problem::{Checker, Within};
+use crate::window::steep_per_mm;
+use crate::{Method, Shading, ShadingModel};
+use strahl_volume::VolumeHeader;
+
+/// [`Shading`] with a number for everything, also for what the model does not ask for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct SettledShading {
+    pub model: ShadingModel,
+    pub ambient: f64,
+    pub diffuse: f64,
+    pub specular: f64,
+    pub shininess: f64,
+    pub roughness: f64,
+    pub reflectance: f64,
+    pub keep_last_normal: bool,
+    pub full_per_mm: f64,
+}
+
+impl Shading {
+    /// What this says, then what `preset` does, then the defaults.
+    pub(crate) fn settled(
+        self,
+        preset: Shading,
+        method: Method,
+        header: &VolumeHeader,
+    ) -> SettledShading {
+        let default = if method.is_projection() {
+            ShadingModel::Unlit
+        } else {
+            preset.model.unwrap_or(ShadingModel::BlinnPhong)
+        };
+        let number =
+            |own: Option<f64>, preset: Option<f64>, default: f64| own.or(preset).unwrap_or(default);
+        SettledShading {
+            model: self.model.unwrap_or(default),
+            ambient: number(self.ambient, preset.ambient, 0.25),
+            diffuse: number(self.diffuse, preset.diffuse, 0.75),
+            specular: number(self.specular, preset.specular, 0.2),
+            shininess: number(self.shininess, preset.shininess, 24.0),
+            roughness: number(self.roughness, preset.roughness, 0.4),
+            reflectance: number(self.reflectance, preset.reflectance, 0.08),
+            keep_last_normal: self
+                .keep_last_normal
+                .or(preset.keep_last_normal)
+                .unwrap_or(false),
+            full_per_mm: number(
+                self.full_per_mm,
+                preset.full_per_mm,
+                (0.5 * steep_per_mm(header)).max(SMALLEST_PER_MM),
+            ),
+        }
+    }
+
+    /// This with the settled numbers that the model asks for.
+    pub(crate) fn filled(self, settled: &SettledShading) -> Shading {
+        let model = settled.model;
+        let is_lit = model.is_lit();
+        let has_highlight = matches!(model, ShadingModel::Phong | ShadingModel::BlinnPhong);
+        let is_rough = model == ShadingModel::CookTorrance;
+        let fades = model == ShadingModel::GradientOpacity;
+        Shading {
+            model: Some(model),
+            ambient: self.ambient.or(is_lit.then_some(settled.ambient)),
+            diffuse: self.diffuse.or(is_lit.then_some(settled.diffuse)),
+            specular: self.specular.or(has_highlight.then_some(settled.specular)),
+            shininess: self
+                .shininess
+                .or(has_highlight.then_some(settled.shininess)),
+            roughness: self.roughness.or(is_rough.then_some(settled.roughness)),
+            reflectance: self.reflectance.or(is_rough.then_some(settled.reflectance)),
+            keep_last_normal: self
+                .keep_last_normal
+                .or(is_lit.then_some(settled.keep_last_normal)),
+            full_per_mm: self.full_per_mm.or(fades.then_some(settled.full_per_mm)),
+        }
+    }
+}
+
+/// Smaller gradients are no help to anybody.
+const SMALLEST_PER_MM: f64 = 1e-30;
+
+impl SettledShading {
+    pub fn plan(&self, method: Method, checker: &mut Checker) -> Shade {
+        let mut number = |key: &str, value: f64, within: Within| {
+            checker.number(&format!("shading.{key}"), value, within);
+            value as f32
+        };
+        let share = Within::Closed(0.0, 10.0);
+        let ambient = number("ambient", self.ambient, share);
+        let diffuse = number("diffuse", self.diffuse, share);
+        let specular = number("specular", self.specular, share);
+        let shininess = number("shininess", self.shininess, Within::Above(0.0, 1000.0));
+        let roughness = number("roughness", self.roughness, Within::Closed(0.05, 1.0));
+        let reflectance = number("reflectance", self.reflectance, Within::Closed(0.0, 1.0));
+        let within = Within::Closed(SMALLEST_PER_MM, 1e30);
+        let full_per_mm = number("full_per_mm", self.full_per_mm, within);
+        let illuminate = match self.model {
+            ShadingModel::Unlit => return Shade::Unlit,
+            ShadingModel::Lambert => Illuminate::Lambert { diffuse },
+            ShadingModel::Phong => Illuminate::Phong {
+                diffuse,
+                specular,
+                shininess,
+            },
+            ShadingModel::BlinnPhong => Illuminate::BlinnPhong {
+                diffuse,
+                specular,
+                shininess,
+            },
+            ShadingModel::CookTorrance => Illuminate::CookTorrance {
+                diffuse,
+                roughness,
+                reflectance,
+            },
+            ShadingModel::GradientOpacity if !method.is_projection() => {
+                return Shade::GradientOpacity { full_per_mm };
+            }
+            ShadingModel::GradientOpacity => Illuminate::Lambert { diffuse },
+        };
+        let has_place = !matches!(method, Method::Average | Method::Gmip);
+        if !has_place || self.model == ShadingModel::GradientOpacity {
+            checker.add(
+                "shading.model",
+                format!("{:?} with method {:?}", self.model.name(), method.name()),
+                "\"unlit\" (or nothing): such a projection has no surface",
+            );
+            return Shade::Unlit;
+        }
+        Shade::Lit {
+            ambient,
+            illuminate,
+            keep_last_normal: self.keep_last_normal,
+        }
+    }
+}
