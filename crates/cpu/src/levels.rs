@@ -88,8 +88,8 @@ impl fmt::Display for InstructionSet {
 ///
 /// Lanes of a level are made only below [`dispatch`], which has found that the processor has it.
 pub trait Level: Simd + Send + Sync {
-    /// Whether loops that are compiled for each type of sample pay. Without gathers they take as long as the
-    /// loop for any functions, and longer to compile than all else here.
+    /// Whether loops and reconstruction are compiled for each of the usual types of sample. Without gathers they take
+    /// as long as those for any type, and longer to compile than all else here.
     const HAS_LOOPS_PER_TYPE: bool;
 
     /// The proof that the processor has the level.

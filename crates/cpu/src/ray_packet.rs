@@ -43,7 +43,7 @@ impl<S: Level> RayPacket<S> {
     /// A packet without rays for `objects` objects.
     pub fn empty(objects: usize) -> RayPacket<S> {
         RayPacket {
-            lines: vec![Line::none(); objects],
+            lines: (0..objects).map(|_| Line::none()).collect(),
             intervals: vec![[F64s::splat(0.0); 2]; objects],
             direction: [F32s::zero(); 3],
             entry_mm: F64s::splat(0.0),

@@ -3,7 +3,7 @@
 use crate::lanes::{F32s, I32s, LANES, PACKET, Vec3s, each, lanes, words};
 use crate::levels::{InstructionSet, Level, Task, dispatch, inlined, vectorized};
 use crate::library::fetch::{Corners, Fetch, Linear, Shape};
-use crate::library::reconstruct::of_fetch;
+use crate::library::reconstruct::of_voxels;
 use glam::DVec3;
 use rayon::prelude::*;
 use strahl_scene::plan::Reconstruct;
@@ -205,7 +205,9 @@ impl Task for Crossing<'_, '_> {
         let shape = Shape::new(grid);
         let trilinear = Reconstruct::Trilinear;
         let values = match layout {
-            Layout::Rows => of_fetch::<S, _>(Linear::new(grid, rows), Rescale::IDENTITY, trilinear),
+            Layout::Rows => {
+                of_voxels::<S, _>(Linear::new(grid, rows), Rescale::IDENTITY, trilinear)
+            }
             Layout::Bricks | Layout::BricksWithBorders => {
                 let [nx, ny, _] = numbers(*layout, grid);
                 let fetch = Blocks {
@@ -214,7 +216,7 @@ impl Task for Crossing<'_, '_> {
                     stride: [1, nx, nx * ny].map(|blocks| (blocks * BLOCK) as i32),
                     has_borders: *layout == Layout::BricksWithBorders,
                 };
-                of_fetch::<S, _>(fetch, Rescale::IDENTITY, trilinear)
+                of_voxels::<S, _>(fetch, Rescale::IDENTITY, trilinear)
             }
         };
         let (right, up) = self.direction.any_orthonormal_pair();

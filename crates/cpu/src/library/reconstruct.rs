@@ -10,7 +10,7 @@ pub use b_spline::weights as b_spline_weights;
 
 use crate::lanes::{F32s, I32s, Mask, Vec3s, each};
 use crate::levels::{Level, vectorized};
-use crate::library::fetch::{Fetch, Linear, Shape};
+use crate::library::fetch::{Apart, Fetch, Linear, Shape};
 use strahl_scene::plan::Reconstruct;
 use strahl_volume::{Grid, Rescale, Samples, with_samples};
 
@@ -39,11 +39,29 @@ pub fn values<'v, S: Level>(
     rescale: Rescale,
     method: Reconstruct,
 ) -> Box<dyn Values<S> + 'v> {
+    if S::HAS_LOOPS_PER_TYPE {
+        match samples {
+            Samples::U8(samples) => return of_voxels(Linear::new(grid, samples), rescale, method),
+            Samples::U16(samples) => return of_voxels(Linear::new(grid, samples), rescale, method),
+            Samples::I16(samples) => return of_voxels(Linear::new(grid, samples), rescale, method),
+            Samples::F32(samples) => return of_voxels(Linear::new(grid, samples), rescale, method),
+            _ => {}
+        }
+    }
     with_samples!(samples, samples => of_fetch(Linear::new(grid, samples), rescale, method))
 }
 
-/// The values of voxels that any function gives.
-pub fn of_fetch<'v, S: Level, F: Fetch<S> + 'v>(
+/// The values of voxels that any function gives, by what is compiled once for all of them.
+pub fn of_fetch<'v, S: Level>(
+    fetch: impl Fetch<S> + 'v,
+    rescale: Rescale,
+    method: Reconstruct,
+) -> Box<dyn Values<S> + 'v> {
+    of_voxels(Apart::new(fetch), rescale, method)
+}
+
+/// The values of voxels, by what is compiled for their type.
+pub fn of_voxels<'v, S: Level, F: Fetch<S> + 'v>(
     fetch: F,
     rescale: Rescale,
     method: Reconstruct,

@@ -2,14 +2,22 @@
 
 use super::packet::Packet;
 use crate::lanes::F32s;
-use crate::levels::Level;
+use crate::levels::{Level, vectorized};
 use crate::scenery::Object;
 use strahl_scene::plan::Composite;
 
 impl<S: Level> Packet<'_, S> {
     /// Front to back through one volume; how many lattice points each ray has walked.
-    #[inline(always)]
+    #[inline(never)]
     pub(super) fn forwards(&mut self, object: &Object<S>) -> F32s<S> {
+        vectorized::<S, _>(
+            #[inline(always)]
+            || self.forwards_here(object),
+        )
+    }
+
+    #[inline(always)]
+    fn forwards_here(&mut self, object: &Object<S>) -> F32s<S> {
         let (rays, line) = (self.rays, &self.rays.lines[0]);
         let one = F32s::splat(1.0);
         let mut strides = object.strides.as_ref().map(|strides| strides.along(line));

@@ -397,8 +397,16 @@ impl<S: Level> Packet<'_, S> {
     }
 
     /// `value` classified and shaded once, nothing where none was `found`.
-    #[inline(always)]
+    #[inline(never)]
     pub(super) fn classify_once(&mut self, value: F32s<S>, found: Mask<S>) {
+        vectorized::<S, _>(
+            #[inline(always)]
+            || self.classify_once_here(value, found),
+        );
+    }
+
+    #[inline(always)]
+    fn classify_once_here(&mut self, value: F32s<S>, found: Mask<S>) {
         let scenery = self.scenery;
         let object = &scenery.objects[0];
         let position = self.rays.lines[0].position(self.state.place);

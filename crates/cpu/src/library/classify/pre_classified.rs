@@ -17,7 +17,7 @@ pub fn at<S: Level>(table: &Table, values: &dyn Values<S>, position: Vec3s<S>) -
     for corner in 0..8 {
         let upper = |axis: usize| corner >> axis & 1;
         let voxel = each!([0, 1, 2], |axis| cell[axis] + I32s::splat(upper(axis)));
-        let surface = table.at(values.voxel(voxel));
+        let surface = table.at_apart(values.voxel(voxel));
         let mut weight = surface.opacity;
         for (axis, &part) in part.iter().enumerate() {
             weight = weight * if upper(axis) == 1 { part } else { one - part };

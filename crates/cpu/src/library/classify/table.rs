@@ -1,6 +1,6 @@
 use super::surface::Surface;
 use crate::lanes::{F32s, I32s, Mask, row_pairs, words};
-use crate::levels::{Level, inlined};
+use crate::levels::{Level, inlined, vectorized};
 use strahl_scene::transfer::TransferTable;
 
 /// A one-dimensional transfer function: the same arithmetic as [`TransferTable::at`], per lane.
@@ -58,6 +58,15 @@ impl<'p> Table<'p> {
             colour: [channel(0), channel(1), channel(2)],
             opacity: channel(3),
         }
+    }
+
+    /// The same, compiled once: for where it is asked for often.
+    #[inline(never)]
+    pub fn at_apart<S: Level>(&self, value: F32s<S>) -> Surface<S> {
+        vectorized::<S, _>(
+            #[inline(always)]
+            || self.at(value),
+        )
     }
 
     /// The opacity of `value` alone.

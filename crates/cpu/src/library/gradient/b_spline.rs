@@ -1,3 +1,4 @@
+use super::field::Field;
 use crate::lanes::{F32s, Vec3s, each};
 use crate::levels::{Level, inlined};
 use crate::library::reconstruct::b_spline_weights;
@@ -5,7 +6,7 @@ use crate::library::reconstruct::b_spline_weights;
 /// The derivative of the uniform cubic B-spline whose coefficients are the field at voxel centres:
 /// 64 positions.
 #[inline(always)]
-pub fn per_voxel<S: Level>(field: &impl Fn(Vec3s<S>) -> F32s<S>, position: Vec3s<S>) -> Vec3s<S> {
+pub fn per_voxel<S: Level>(field: &Field<S>, position: Vec3s<S>) -> Vec3s<S> {
     let cell = each!(position, |c| F32s::floor(c));
     let part = each!([0, 1, 2], |axis| position[axis] - cell[axis]);
     let weights = each!(part, |c| b_spline_weights(c));

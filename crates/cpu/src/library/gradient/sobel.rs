@@ -1,10 +1,11 @@
+use super::field::Field;
 use crate::lanes::{F32s, Vec3s};
 use crate::levels::Level;
 
 /// I. Sobel's masks in three dimensions, (−1, 0, 1) along one axis and (1, 2, 1) across it, scaled by
 /// 1/32 so that a ramp gives its slope: 27 positions.
 #[inline(always)]
-pub fn per_voxel<S: Level>(field: &impl Fn(Vec3s<S>) -> F32s<S>, position: Vec3s<S>) -> Vec3s<S> {
+pub fn per_voxel<S: Level>(field: &Field<S>, position: Vec3s<S>) -> Vec3s<S> {
     let mut gradient = [F32s::zero(); 3];
     let steps = [-1i32, 0, 1];
     for z in steps {

@@ -1,0 +1,84 @@
+use super::shape::Shape;
+use super::voxels::{Corners, Fetch, Surroundings};
+use crate::lanes::{F32s, I32s};
+use crate::levels::{Level, vectorized};
+
+/// Voxels behind a call each time that some are fetched: what is compiled for these serves all types of sample.
+pub struct Apart<'v, S: Level> {
+    shape: Shape,
+    voxels: Box<dyn Fetch<S> + 'v>,
+}
+
+impl<'v, S: Level> Apart<'v, S> {
+    /// Those of `voxels`.
+    pub fn new(voxels: impl Fetch<S> + 'v) -> Apart<'v, S> {
+        Apart {
+            shape: *voxels.shape(),
+            voxels: Box::new(Called(voxels)),
+        }
+    }
+}
+
+impl<S: Level> Fetch<S> for Apart<'_, S> {
+    #[inline(always)]
+    fn shape(&self) -> &Shape {
+        &self.shape
+    }
+
+    #[inline(always)]
+    fn fetch(&self, voxel: [I32s<S>; 3]) -> F32s<S> {
+        self.voxels.fetch(voxel)
+    }
+
+    #[inline(always)]
+    fn corners(&self, cell: [I32s<S>; 3]) -> Corners<S> {
+        self.voxels.corners(cell)
+    }
+
+    #[inline(always)]
+    fn four(&self, voxel: [I32s<S>; 3]) -> Option<[F32s<S>; 4]> {
+        self.voxels.four(voxel)
+    }
+
+    #[inline(always)]
+    fn surroundings(&self, cell: [I32s<S>; 3]) -> Option<Surroundings<S>> {
+        self.voxels.surroundings(cell)
+    }
+}
+
+/// What is called: compiled for the instruction set on its own.
+struct Called<F>(F);
+
+impl<S: Level, F: Fetch<S>> Fetch<S> for Called<F> {
+    fn shape(&self) -> &Shape {
+        self.0.shape()
+    }
+
+    fn fetch(&self, voxel: [I32s<S>; 3]) -> F32s<S> {
+        vectorized::<S, _>(
+            #[inline(always)]
+            || self.0.fetch(voxel),
+        )
+    }
+
+    fn corners(&self, cell: [I32s<S>; 3]) -> Corners<S> {
+        vectorized::<S, _>(
+            #[inline(always)]
+            || self.0.corners(cell),
+        )
+    }
+
+    fn four(&self, voxel: [I32s<S>; 3]) -> Option<[F32s<S>; 4]> {
+        vectorized::<S, _>(
+            #[inline(always)]
+            || self.0.four(voxel),
+        )
+    }
+
+    fn surroundings(&self, cell: [I32s<S>; 3]) -> Option<Surroundings<S>> {
+        vectorized::<S, _>(
+            #[inline(always)]
+            || self.0.surroundings(cell),
+        )
+    }
+}
