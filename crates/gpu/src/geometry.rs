@@ -318,3 +318,62 @@ fn view(plan: &Plan, meshes: &Meshes) -> View {
         padding: [0.0; 2],
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use naga::TypeInner;
+
+    /// The name and first byte of every field, which have to be all that there are.
+    macro_rules! fields {
+        ($name:ident { $($field:ident),* $(,)? }) => {{
+            let $name { $($field: _),* } = $name::zeroed();
+            vec![$((stringify!($field).to_owned(), std::mem::offset_of!($name, $field))),*]
+        }};
+    }
+
+    #[test]
+    fn blocks_lie_as_the_program_reads_them() {
+        let text = format!(
+            "const SOURCES: u32 = 2u;\n{}",
+            include_str!("geometry.wgsl")
+        );
+        let program = naga::front::wgsl::parse_str(&text).unwrap();
+        let struct_of = |name: &str| {
+            let mut types = program.types.iter().map(|(_, ty)| ty);
+            let found = types.find(|ty| ty.name.as_deref() == Some(name));
+            let Some(TypeInner::Struct { members, span }) = found.map(|ty| &ty.inner) else {
+                panic!("there is no struct {name}");
+            };
+            let member = |m: &naga::StructMember| (m.name.clone().unwrap(), m.offset as usize);
+            let members: Vec<_> = members.iter().map(member).collect();
+            (members, *span as usize)
+        };
+        let mut view = fields!(View {
+            eye_mm,
+            half_height,
+            right,
+            aspect,
+            up,
+            is_perspective,
+            forward,
+            near_mm,
+            size,
+            origin,
+            far_mm,
+            part,
+            padding,
+        });
+        // The padding has no name there.
+        view.pop();
+        assert_eq!(struct_of("View"), (view, size_of::<View>()));
+        let mesh = fields!(Placed {
+            world_from_mesh,
+            normal_map,
+            color
+        });
+        assert_eq!(struct_of("Mesh"), (mesh, size_of::<Placed>()));
+        let source = vec![("place".to_owned(), 0), ("radiance".to_owned(), 16)];
+        assert_eq!(struct_of("Source"), (source, size_of::<[[f32; 4]; 2]>()));
+    }
+}

@@ -139,3 +139,75 @@ pub fn rows(map: &DAffine3) -> [[f32; 4]; 3] {
         [linear.x, linear.y, linear.z, map.translation[r]].map(|v| v as f32)
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use naga::TypeInner;
+    use strahl_scene::{Scene, resolve};
+    use strahl_volume::Phantom;
+
+    /// The name and first byte of every field, which have to be all that there are.
+    macro_rules! fields {
+        ($name:ident { $($field:ident),* $(,)? }) => {{
+            let $name { $($field: _),* } = $name::zeroed();
+            vec![$((stringify!($field), std::mem::offset_of!($name, $field))),*]
+        }};
+    }
+
+    /// The name and first byte of every member of a struct in WGSL, and its size.
+    fn members<'n>(naga: &'n naga::Module, name: &str) -> (Vec<(&'n str, usize)>, usize) {
+        let mut types = naga.types.iter().map(|(_, ty)| ty);
+        let found = types.find(|ty| ty.name.as_deref() == Some(name));
+        let Some(TypeInner::Struct { members, span }) = found.map(|ty| &ty.inner) else {
+            panic!("there is no struct {name}");
+        };
+        let member = |m: &'n naga::StructMember| (m.name.as_deref().unwrap(), m.offset as usize);
+        (members.iter().map(member).collect(), *span as usize)
+    }
+
+    #[test]
+    fn the_block_of_the_ray_loop_lies_as_the_program_reads_it() {
+        let volume = Phantom::Tree.volume([8; 3]).unwrap();
+        let plan = resolve(&Scene::default(), &volume.header(), None).unwrap();
+        let program = crate::program(&plan).unwrap();
+        let (frame, _) = members(program.naga(), "Frame");
+        let mut ours = fields!(Frame {
+            eye_mm,
+            step_mm,
+            right,
+            half_height,
+            up,
+            aspect,
+            forward,
+            is_perspective,
+            background,
+            size,
+            origin,
+            number,
+            first_slice,
+            viewport,
+        });
+        ours.push(("objects", size_of::<Frame>()));
+        assert_eq!(frame, ours);
+
+        let (object, size) = members(program.naga(), "Object");
+        let ours = fields!(Object {
+            voxel_from_world,
+            world_from_voxel,
+            dims,
+            volume,
+            bricks_first,
+            table_first,
+            pages_first,
+            table_entries,
+            table_domain,
+            slope,
+            intercept,
+            steps_per_reference,
+            padding,
+        });
+        assert_eq!(object, ours[..ours.len() - 1], "all but the padding");
+        assert_eq!(size, size_of::<Object>());
+    }
+}
