@@ -9,6 +9,7 @@ mod commands;
 mod flags;
 mod print;
 mod progress;
+mod remedy;
 
 use clap::Parser;
 use std::process::ExitCode;
@@ -31,6 +32,9 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("error: {}", print::chain(&error));
+            if let Some(remedy) = remedy::of(&error) {
+                eprintln!("help: {remedy}");
+            }
             ExitCode::FAILURE
         }
     }

@@ -5,7 +5,9 @@
 #[non_exhaustive]
 pub enum Error {
     /// The program does something that the evaluator does not.
-    #[error("the evaluator has no {what}, which function {function} uses; draw with --backend gpu")]
+    #[error(
+        "the evaluator has no {what}, which function {function} uses; draw on a graphics processor"
+    )]
     NotCovered {
         /// What it is.
         what: String,

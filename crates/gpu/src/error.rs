@@ -6,7 +6,7 @@
 pub enum Error {
     /// No adapter at all.
     #[error(
-        "no graphics adapter was found; install its driver (on Debian and Ubuntu, mesa-vulkan-drivers brings one that needs no graphics card), or draw with --backend cpu"
+        "no graphics adapter was found; install its driver (on Debian and Ubuntu, mesa-vulkan-drivers brings one that needs no graphics card), or draw on the processor"
     )]
     NoAdapter,
     /// No adapter of the name asked for.
@@ -26,14 +26,14 @@ pub enum Error {
         why: String,
     },
     /// The device went away: a reset, a removed card, a driver that was updated.
-    #[error("the graphics device was lost: {0}; open it again, or draw with --backend cpu")]
+    #[error("the graphics device was lost: {0}; open it again, or draw on the processor")]
     Lost(String),
     /// The driver refused something.
     #[error("the graphics driver refused: {0}")]
     Driver(String),
     /// The volume does not fit into a texture, nor do its pages.
     #[error(
-        "the volume has {dims:?} voxels, and more that differ than the graphics adapter has room for (textures of {most} along an axis, {most_bytes} bytes); draw with --backend cpu, or a coarser level of it"
+        "the volume has {dims:?} voxels, and more that differ than the graphics adapter has room for (textures of {most} along an axis, {most_bytes} bytes); draw on the processor, or a coarser level of it"
     )]
     TooLarge {
         /// Of the volume.
@@ -45,7 +45,7 @@ pub enum Error {
     },
     /// A mesh does not fit into a buffer.
     #[error(
-        "the mesh has {triangles} triangles, the graphics adapter takes at most {most}; draw with --backend cpu"
+        "the mesh has {triangles} triangles, the graphics adapter takes at most {most}; draw on the processor"
     )]
     MeshTooLarge {
         /// Of the mesh.
@@ -55,7 +55,7 @@ pub enum Error {
     },
     /// A mask is larger than a texture.
     #[error(
-        "the mask has {dims:?} voxels, the graphics adapter takes at most {most} along an axis; draw with --backend cpu"
+        "the mask has {dims:?} voxels, the graphics adapter takes at most {most} along an axis; draw on the processor"
     )]
     MaskTooLarge {
         /// Of the mask.
@@ -80,7 +80,7 @@ pub enum Error {
     Slicing(#[from] strahl_program::SlicingError),
     /// The adapter does not blend 32-bit floats.
     #[error(
-        "the graphics adapter {adapter} cannot blend numbers of 32 bit, which slices need (16 bit lose what many thin slices add up to); draw with --backend cpu, or by a graph with a loop along the ray"
+        "the graphics adapter {adapter} cannot blend numbers of 32 bit, which slices need (16 bit lose what many thin slices add up to); draw on the processor, or by a graph with a loop along the ray"
     )]
     NoBlending {
         /// Its name.

@@ -63,6 +63,14 @@ pub enum Error {
         /// Never empty.
         problems: Vec<Problem>,
     },
+    /// A rule of sampling that only the processor's own ray loop has.
+    #[error(
+        "a graph takes one sample at every lattice point, and sampling.rule is {rule:?}; draw without a graph and by the processor's own loop, or with rule \"regular\""
+    )]
+    Sampling {
+        /// The rule.
+        rule: &'static str,
+    },
     /// The linker refuses.
     #[error(transparent)]
     Link(#[from] strahl_shader::Error),

@@ -109,7 +109,10 @@ impl Patterns {
         let near = nearest(name, names.iter().map(String::as_str));
         Err(match near {
             Some(near) => format!("there is no pattern `{name}`; did you mean `{near}`?"),
-            None => format!("there is no pattern `{name}`; `strahl graph patterns` lists them"),
+            None => format!(
+                "there is no pattern `{name}`; there are: {}",
+                names.join(", ")
+            ),
         })
     }
 }

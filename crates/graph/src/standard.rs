@@ -14,19 +14,13 @@ use strahl_scene::plan::{Composite, Plan, Sampling, Shade};
 /// # Errors
 /// Debug views have no graph.
 pub fn standard(plan: &Plan) -> Result<Graph, Error> {
-    let refused_at = |place: &str, why: &str| Error::Graph {
+    let refused = |why: &str| Error::Graph {
         file: "the standard graph".to_owned(),
-        problems: vec![Problem::new(place, why)],
+        problems: vec![Problem::new("composite", why)],
     };
-    let refused = |why: &str| refused_at("composite", why);
     if plan.sampling != Sampling::Regular {
         let rule = plan.sampling.name();
-        return Err(refused_at(
-            "sampling",
-            &format!(
-                "a graph takes one sample at every lattice point, and sampling.rule is {rule:?}; draw with --backend cpu and without a graph, or with rule \"regular\""
-            ),
-        ));
+        return Err(Error::Sampling { rule });
     }
     if let Composite::Debug(_) = plan.technique().composite {
         return Err(refused(

@@ -207,7 +207,7 @@ pub enum SlicingError {
     Meshes,
     /// No slice knows whether it is the first that is seen.
     #[error(
-        "slices have no depth; leave --depth out, or draw by a graph with a loop along the ray and the root `depth_mm`"
+        "slices have no depth; ask for none, or draw by a graph with a loop along the ray and the root `depth_mm`"
     )]
     Depth,
     /// More slices than anybody waits for.

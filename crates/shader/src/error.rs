@@ -65,7 +65,7 @@ pub enum Error {
     },
     /// A rule of sampling that only the processor's own ray loop has.
     #[error(
-        "the ray loop of shader programs takes one sample at every lattice point, and sampling.rule is {rule:?}; draw with --backend cpu and without a graph, or with rule \"regular\""
+        "the ray loop of shader programs takes one sample at every lattice point, and sampling.rule is {rule:?}; draw without a graph and by the processor's own loop, or with rule \"regular\""
     )]
     Sampling {
         /// The rule.

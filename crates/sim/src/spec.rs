@@ -692,7 +692,7 @@ impl Spec {
     /// If a path or value is not there, or the result contradicts itself.
     pub fn with(&self, changes: &[String]) -> Result<Spec, Error> {
         let problem = |change: &str, problem: String| Error::File {
-            file: format!("--set {change}"),
+            file: format!("the change {change}"),
             problem,
         };
         let mut all = serde_json::to_value(self).map_err(|e| problem("", e.to_string()))?;

@@ -1,4 +1,4 @@
-//! What can go wrong with stored data, in words that name the file, the field and the remedy.
+//! What can go wrong with stored data, in words that name the file, the field and what would be right.
 
 use std::fmt;
 
@@ -7,6 +7,25 @@ use std::fmt;
 pub struct Error {
     file: Option<String>,
     kind: Box<ErrorKind>,
+    remedy: Option<Remedy>,
+}
+
+/// What the caller can say so that the file is read: fields of [`ReadOptions`](crate::read::ReadOptions). Messages
+/// leave it out, because each program has its own words for it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Remedy {
+    /// Which series it is (`series`).
+    Series,
+    /// How far apart its voxels are (`spacing_mm`).
+    Spacing,
+    /// That missing slices may be interpolated (`allow_gaps`).
+    AllowGaps,
+    /// Size and type of samples without a header (`raw.dims`, `raw.sample_type`).
+    DimsAndType,
+    /// Their type (`raw.sample_type`).
+    Type,
+    /// How many bytes before the first sample are a header after all (`raw.header_bytes`).
+    HeaderBytes(u64),
 }
 
 /// What went wrong.
@@ -122,6 +141,17 @@ impl Error {
         self
     }
 
+    /// The same error, with what the caller can do.
+    pub(crate) fn with_remedy(mut self, remedy: Remedy) -> Error {
+        self.remedy = Some(remedy);
+        self
+    }
+
+    /// What the caller can say so that the file is read, if that would help.
+    pub fn remedy(&self) -> Option<Remedy> {
+        self.remedy
+    }
+
     /// What went wrong.
     pub fn kind(&self) -> &ErrorKind {
         &self.kind
@@ -150,6 +180,7 @@ impl From<ErrorKind> for Error {
         Error {
             file: None,
             kind: Box::new(kind),
+            remedy: None,
         }
     }
 }

@@ -40,7 +40,7 @@ pub mod read;
 pub mod write;
 
 pub use datasets::Datasets;
-pub use error::{Error, ErrorKind};
+pub use error::{Error, ErrorKind, Remedy};
 pub use grid::{Grid, voxel_count};
 pub use labels::{Label, LabelIds, LabelVolume};
 pub use mesh::Mesh;

@@ -311,8 +311,11 @@ fn reading_flags() {
         args.extend(flags);
         fails(folder.path(), &args, words);
     };
-    render(&[], &["a.raw", "dims"]);
+    render(&[], &["a.raw", "help: say", "--dims", "--type"]);
+    render(&["--dims", "2,2,1"], &["fits u16", "help: say", "--type"]);
     render(&["--dims", "3,3,3", "--type", "u8"], &["a.raw", "27", "8"]);
+    let short = ["--dims", "2,1,1", "--type", "u8"];
+    render(&short, &["a.raw", "help: ", "--header-bytes 6"]);
     render(&["--dims", "0,1,1"], &["--dims is 0,1,1", "at least 1"]);
     render(
         &["--dims", "2,2,2", "--type", "u12"],
@@ -336,7 +339,11 @@ fn several_dicom_series() {
         fs::write(series.join(format!("other-{name}")), other_series(bytes)).unwrap();
     }
     let args = ["render", "series", "-o", "out.png"];
-    fails(folder.path(), &args, &["series", "--series", "1", "2"]);
+    fails(
+        folder.path(),
+        &args,
+        &["series", "help: pick", "--series N", "1", "2"],
+    );
     let args = [&args[..], &["--series", "2", "--size", "32x32"]].concat();
     run_well(folder.path(), &args);
     let args = ["render", "series", "-o", "again.png", "--series", "7"];

@@ -257,7 +257,7 @@ fn place(
             (Some(error), _) => error,
             (None, name) => Error::from(ErrorKind::Missing {
                 field: tags::field_name(tags::IMAGE_POSITION_PATIENT),
-                allowed: "slices without a place in the patient make no volume; save them as PNG or TIFF and read those with --spacing X,Y,Z".into(),
+                allowed: "slices without a place in the patient make no volume; save them as PNG or TIFF and say the spacing when those are read".into(),
             })
             .in_file(name.unwrap_or_default()),
         });

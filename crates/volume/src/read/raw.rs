@@ -3,7 +3,7 @@
 //!
 //! | offset       | bytes           | what                                              |
 //! |--------------|-----------------|---------------------------------------------------|
-//! | 0            | header bytes    | left out (`--header-bytes`, 0 if not said)        |
+//! | 0            | header bytes    | left out (0 if not said)                          |
 //! | header bytes | nx·ny·nz·size   | samples, x fastest, little endian if not said     |
 //!
 //! In the name, sizes are three whole numbers joined by `x`; the type is any word that
@@ -11,7 +11,7 @@
 
 use super::block::{Block, Encoding, Endian, Trailing};
 use super::{Bytes, Input, Loaded, RawLayout, ReadOptions, unoriented};
-use crate::error::{Error, ErrorKind};
+use crate::error::{Error, ErrorKind, Remedy};
 use crate::{Metadata, Rescale, SampleType, Samples, Volume, voxel_count};
 
 pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error> {
@@ -109,17 +109,17 @@ impl Layout {
         };
         let found = file_bytes.saturating_sub(self.header_bytes);
         let types = types_of_size(found, count);
-        let advice = if !types.is_empty() {
-            format!("; the size fits the types {types}: `--type`")
+        let (advice, remedy) = if !types.is_empty() {
+            let advice = format!("; the size fits the types {types}");
+            (advice, Some(Remedy::Type))
         } else if found > expected {
-            format!(
-                "; if the file begins with a header, `--header-bytes {}`",
-                file_bytes - expected
-            )
+            let header = file_bytes - expected;
+            let advice = format!("; a header of {header} bytes may stand before them");
+            (advice, Some(Remedy::HeaderBytes(header)))
         } else {
-            String::new()
+            (String::new(), None)
         };
-        Error::field(
+        let error = Error::field(
             "file size",
             format!("{file_bytes} bytes"),
             format!(
@@ -127,7 +127,11 @@ impl Layout {
                 expected.saturating_add(self.header_bytes),
                 self.sample_type
             ),
-        )
+        );
+        match remedy {
+            Some(remedy) => error.with_remedy(remedy),
+            None => error,
+        }
     }
 }
 
@@ -151,14 +155,14 @@ fn missing_dims(sample_type: Option<SampleType>, bytes: u64) -> Error {
             let fits = edge > 1 && edge.pow(3) * t.size() as u64 == bytes;
             fits.then(|| format!("; its {bytes} bytes would fit {edge}x{edge}x{edge} {t}"))
         });
-    ErrorKind::Missing {
+    Error::from(ErrorKind::Missing {
         field: "the size of the headerless samples".into(),
         allowed: format!(
-            "say `--dims 256x256x128 --type u8`, or name the file like `name_256x256x128_uint8.raw`{}",
+            "say size and type, or name the file like `name_256x256x128_uint8.raw`{}",
             cube.unwrap_or_default()
         ),
-    }
-    .into()
+    })
+    .with_remedy(Remedy::DimsAndType)
 }
 
 fn missing_type(dims: [usize; 3], bytes: u64) -> Error {
@@ -170,13 +174,13 @@ fn missing_type(dims: [usize; 3], bytes: u64) -> Error {
         }
         _ => format!("; for {x}x{y}x{z} the file's size, {bytes} bytes, fits no type"),
     };
-    ErrorKind::Missing {
+    Error::from(ErrorKind::Missing {
         field: "the type of the headerless samples".into(),
         allowed: format!(
-            "say `--type u8` (or u16, i16, f32, …), or name the file like `name_{x}x{y}x{z}_uint8.raw`{fits}"
+            "say u8 (or u16, i16, f32, …), or name the file like `name_{x}x{y}x{z}_uint8.raw`{fits}"
         ),
-    }
-    .into()
+    })
+    .with_remedy(Remedy::Type)
 }
 
 /// The layout that a file name says, if it says at least the sizes.
@@ -356,28 +360,44 @@ mod tests {
     #[test]
     fn what_is_missing_is_asked_for() {
         let none = ReadOptions::default();
+        let (layout, kind) = (Some(Remedy::DimsAndType), Some(Remedy::Type));
+        let header = Some(Remedy::HeaderBytes(6));
+        let edge = 1_048_576;
         let cases = [
-            ("scan.raw", 27, "`--dims 256x256x128 --type u8`"),
-            ("scan.raw", 27, "27 bytes would fit 3x3x3 u8"),
-            ("scan.raw", 216, "216 bytes would fit 6x6x6 u8"),
-            ("scan_4x3x2.raw", 48, "`--type u8`"),
-            ("scan_4x3x2.raw", 48, "size fits u16, i16"),
-            ("scan_4x3x2.raw", 50, "50 bytes, fits no type"),
-            ("scan_4x3x2_u8.raw", 48, "24 bytes for 4x3x2 samples of u8"),
-            ("scan_4x3x2_u8.raw", 48, "fits the types u16, i16"),
-            ("scan_4x3x2_u8.raw", 30, "`--header-bytes 6`"),
-            ("scan_4x3x2_u8.raw", 20, "file size is 20 bytes"),
-            ("scan_4x0x2_u8.raw", 0, "dimension y is 0"),
+            ("scan.raw", 27, "say size and type", layout),
+            ("scan.raw", 27, "27 bytes would fit 3x3x3 u8", layout),
+            ("scan.raw", 216, "216 bytes would fit 6x6x6 u8", layout),
+            ("scan_4x3x2.raw", 48, "say u8 (or u16", kind),
+            ("scan_4x3x2.raw", 48, "size fits u16, i16", kind),
+            ("scan_4x3x2.raw", 50, "50 bytes, fits no type", kind),
             (
-                "scan_1048576x1048576x1048576_f64.raw",
+                "scan_4x3x2_u8.raw",
+                48,
+                "24 bytes for 4x3x2 samples of u8",
+                kind,
+            ),
+            ("scan_4x3x2_u8.raw", 48, "fits the types u16, i16", kind),
+            (
+                "scan_4x3x2_u8.raw",
+                30,
+                "a header of 6 bytes may stand",
+                header,
+            ),
+            ("scan_4x3x2_u8.raw", 20, "file size is 20 bytes", None),
+            ("scan_4x0x2_u8.raw", 0, "dimension y is 0", None),
+            (
+                &format!("scan_{edge}x{edge}x{edge}_f64.raw"),
                 3,
                 "file size is 3 bytes",
+                None,
             ),
         ];
-        for (name, bytes, expected) in cases {
-            let message = load(name, &vec![0; bytes], &none).unwrap_err().to_string();
+        for (name, bytes, expected, remedy) in cases {
+            let error = load(name, &vec![0; bytes], &none).unwrap_err();
+            let message = error.to_string();
             assert!(message.contains(expected), "{message}");
             assert!(message.starts_with(name), "{message}");
+            assert_eq!(error.remedy(), remedy, "{message}");
         }
     }
 }

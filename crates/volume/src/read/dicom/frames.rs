@@ -3,7 +3,7 @@
 use super::elements::{DataSet, Elements, PixelData};
 use super::pixels::{Layout, missing};
 use super::tags::{self, Tag, field_name};
-use crate::error::{Error, ErrorKind};
+use crate::error::{Error, ErrorKind, Remedy};
 use crate::{Rescale, read::ReadOptions};
 use glam::DVec3;
 
@@ -327,7 +327,7 @@ fn spacing(lookup: &Lookup, options: &ReadOptions) -> Result<[f64; 2], Error> {
         (Some([rows, columns]), _) => [columns, rows],
         (None, Some([x, y, _])) => [x, y],
         (None, None) => {
-            return Err(missing(tag, "two lengths in mm; or say --spacing X,Y,Z"));
+            return Err(missing(tag, "two lengths in mm").with_remedy(Remedy::Spacing));
         }
     };
     if spacing.iter().any(|mm| *mm <= 0.0) {
@@ -400,14 +400,14 @@ impl Stacked {
                     (Some(step), _) if step != 0.0 => step,
                     (_, Some([_, _, step])) => step,
                     _ => {
-                        return Err(ErrorKind::Unsupported {
+                        return Err(Error::from(ErrorKind::Unsupported {
                             feature: format!(
                                 "a file of {count} frames that says neither where each lies (functional groups) nor {}",
                                 field_name(tags::SPACING_BETWEEN_SLICES)
                             ),
-                            instead: "its frames may be moments of a film; if they are slices, say --spacing X,Y,Z".into(),
-                        }
-                        .into());
+                            instead: "its frames may be moments of a film; if they are slices, their spacing has to be said".into(),
+                        })
+                        .with_remedy(Remedy::Spacing));
                     }
                 };
                 (0..count).map(|frame| frame as f64 * step).collect()

@@ -4,7 +4,7 @@ use super::elements::{self, plain_text};
 use super::frames::Image;
 use super::in_parallel::in_parallel;
 use super::tags;
-use crate::error::{Error, ErrorKind};
+use crate::error::{Error, ErrorKind, Remedy};
 use crate::read::{Bytes, Files};
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -170,12 +170,8 @@ impl Scan {
             None if self.series.len() == 1 => 0,
             None if let Some(only) = self.only_besides_localisers() => only,
             None => {
-                return Err(ErrorKind::Ambiguous(format!(
-                    "there are {} series; pick one with --series N:\n{}",
-                    self.series.len(),
-                    self.table()
-                ))
-                .into());
+                let what = format!("there are {} series", self.series.len());
+                return Err(self.ambiguous(&what));
             }
             Some(wanted) => self.find(wanted.trim())?,
         };
@@ -198,7 +194,7 @@ impl Scan {
             return None;
         };
         self.notes.push(format!(
-            "{} series of localisers left out; --series N picks one of:\n{}",
+            "{} series of localisers left out; all `series` are:\n{}",
             self.series.len() - 1,
             self.table()
         ));
@@ -232,18 +228,14 @@ impl Scan {
         };
         match fitting[..] {
             [one] => Ok(one),
-            [] => Err(ErrorKind::Ambiguous(format!(
-                "no series is {wanted:?}; pick one with --series N:\n{}",
-                self.table()
-            ))
-            .into()),
-            _ => Err(ErrorKind::Ambiguous(format!(
-                "{} series are {wanted:?}; pick one with --series N:\n{}",
-                fitting.len(),
-                self.table()
-            ))
-            .into()),
+            [] => Err(self.ambiguous(&format!("no series is {wanted:?}"))),
+            _ => Err(self.ambiguous(&format!("{} series are {wanted:?}", fitting.len()))),
         }
+    }
+
+    fn ambiguous(&self, what: &str) -> Error {
+        let message = format!("{what}; pick one by its number N:\n{}", self.table());
+        Error::from(ErrorKind::Ambiguous(message)).with_remedy(Remedy::Series)
     }
 
     fn table(&self) -> String {

@@ -1,7 +1,7 @@
 //! Frames into one even grid: sorted by place, split into moments, checked for gaps.
 
 use super::frames::{Frame, KEYS, KeyValue};
-use crate::error::{Error, ErrorKind};
+use crate::error::{Error, ErrorKind, Remedy};
 use crate::read::ReadOptions;
 use glam::{DAffine3, DMat3, DVec3};
 
@@ -94,10 +94,10 @@ pub(super) fn arrange(
     } else {
         if let Some(gaps) = gaps(&at, &axis) {
             if !options.allow_gaps {
-                return Err(ErrorKind::Slices(format!(
-                    "{gaps}. Look for the missing files, or say --allow-gaps to interpolate to even slices"
-                ))
-                .into());
+                let message = format!(
+                    "{gaps}. Look for the missing files, or allow even slices to be interpolated"
+                );
+                return Err(Error::from(ErrorKind::Slices(message)).with_remedy(Remedy::AllowGaps));
             }
             (grid_slices, resampled) = even_grid(&at)?;
             notes.push(format!(

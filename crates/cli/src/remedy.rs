@@ -1,0 +1,63 @@
+//! What a person can do about an error, in the words of the command line. Libraries do not know them.
+
+use strahl::program::SlicingError;
+use strahl::volume::Remedy;
+use strahl::{Error, evaluate, gpu, graph, shader, volume};
+
+/// What can be said on the command line so that `error` does not come again, if there is something.
+pub fn of(error: &anyhow::Error) -> Option<String> {
+    error.chain().find_map(|cause| {
+        if let Some(error) = cause.downcast_ref::<Error>() {
+            return of_picture(error);
+        }
+        let error = cause.downcast_ref::<volume::Error>()?;
+        Some(of_volume(error.remedy()?))
+    })
+}
+
+fn of_picture(error: &Error) -> Option<String> {
+    let remedy = match error {
+        Error::Volume(error) => return Some(of_volume(error.remedy()?)),
+        Error::Gpu(error) => return of_gpu(error),
+        Error::Evaluate(evaluate::Error::NotCovered { .. }) => "draw with --backend gpu",
+        Error::Evaluate(evaluate::Error::Slicing(SlicingError::Depth)) => NO_DEPTH,
+        Error::Evaluate(evaluate::Error::Shader(shader::Error::Sampling { .. }))
+        | Error::Shader(shader::Error::Sampling { .. })
+        | Error::Graph(graph::Error::Sampling { .. }) => NO_GRAPH,
+        _ => return None,
+    };
+    Some(remedy.to_owned())
+}
+
+const ON_CPU: &str = "draw with --backend cpu";
+const NO_GRAPH: &str = "draw with --backend cpu and without --graph";
+const NO_DEPTH: &str = "leave --depth out";
+
+fn of_gpu(error: &gpu::Error) -> Option<String> {
+    let remedy = match error {
+        gpu::Error::NoAdapter
+        | gpu::Error::Lost(_)
+        | gpu::Error::TooLarge { .. }
+        | gpu::Error::MeshTooLarge { .. }
+        | gpu::Error::MaskTooLarge { .. }
+        | gpu::Error::NoBlending { .. } => ON_CPU,
+        gpu::Error::NoSuchAdapter { .. } => "`strahl info --adapters` lists them",
+        gpu::Error::Slicing(SlicingError::Depth) => NO_DEPTH,
+        gpu::Error::Shader(shader::Error::Sampling { .. }) => NO_GRAPH,
+        _ => return None,
+    };
+    Some(remedy.to_owned())
+}
+
+fn of_volume(remedy: Remedy) -> String {
+    match remedy {
+        Remedy::Series => "pick one with --series N".to_owned(),
+        Remedy::Spacing => "say --spacing X,Y,Z in mm".to_owned(),
+        Remedy::AllowGaps => "--allow-gaps interpolates to even slices".to_owned(),
+        Remedy::DimsAndType => "say for example --dims 256x256x128 --type u8".to_owned(),
+        Remedy::Type => "say for example --type u16".to_owned(),
+        Remedy::HeaderBytes(bytes) => {
+            format!("if the file begins with a header, say --header-bytes {bytes}")
+        }
+    }
+}
