@@ -4,6 +4,7 @@
 use crate::flags::{BackendName, DrawFlags, PictureFlags, ReadFlags};
 use anyhow::{Context, Result, anyhow, bail};
 use std::str::FromStr;
+use strahl::scene::plan::MOST_EDGE_PIXELS;
 use strahl::scene::{
     BoxClip, BoxSpace, DebugView, Endian, Jitter, PlaneClip, PointsIn, Quality, Reconstruct,
     Shading, ShadingModel, ToneMap, VolumeSource,
@@ -90,8 +91,11 @@ pub fn draw_over(flags: &DrawFlags, scene: &mut Scene) -> Result<()> {
     clips_over(flags, scene)?;
     if let Some(text) = &flags.size {
         let size = numbers::<u32, 2>("--size", text, "width and height, such as 1920x1080")?;
-        if !size.iter().all(|pixels| (1..=65_535).contains(pixels)) {
-            bail!("--size is {text}; width and height have to be 1 to 65535");
+        if !size
+            .iter()
+            .all(|pixels| (1..=MOST_EDGE_PIXELS).contains(pixels))
+        {
+            bail!("--size is {text}; width and height have to be 1 to {MOST_EDGE_PIXELS}");
         }
         scene.size = Some(size);
     }

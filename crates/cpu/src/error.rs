@@ -44,13 +44,15 @@ pub enum Error {
     Coefficients(#[from] strahl_volume::Error),
     /// The step is too short for the length of the rays.
     #[error(
-        "a step of {step_mm} mm gives up to {points:.0} samples on a ray; at most 16777216 are possible, take a step of at least {least_mm} mm"
+        "a step of {step_mm} mm gives up to {points:.0} samples on a ray; at most {most} are possible, take a step of at least {least_mm} mm"
     )]
     StepTooShort {
         /// Of the Plan.
         step_mm: f64,
         /// On the longest diagonal.
         points: f64,
+        /// As many are possible.
+        most: f64,
         /// The shortest possible step.
         least_mm: f64,
     },

@@ -155,6 +155,7 @@ impl<'v> Renderer<'v> {
             return Err(Error::StepTooShort {
                 step_mm,
                 points,
+                most: MAX_POINTS,
                 least_mm: step_mm * points / MAX_POINTS,
             });
         }

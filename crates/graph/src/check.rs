@@ -17,7 +17,7 @@ pub const MOST_LOOPS: usize = 64;
 pub const MOST_NODES: usize = 100_000;
 
 /// Textures in one graph.
-pub const MOST_TEXTURES: usize = 8;
+pub const MOST_TEXTURES: usize = strahl_shader::bindings::TEXTURES as usize;
 
 /// A graph in which everything is found.
 #[derive(Debug)]

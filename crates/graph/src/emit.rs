@@ -16,13 +16,10 @@ use std::collections::{HashMap, HashSet};
 use std::fmt::Write;
 use std::sync::Arc;
 use strahl_program::Order;
-use strahl_shader::{Module, bindings, surrounding_words};
+use strahl_shader::{MOST_TURNS, Module, bindings, surrounding_words};
 
 /// `if` and loops in one another. Compilers read programs by recursion.
 const DEEPEST: usize = 48;
-
-/// How often all loops of a graph may turn per ray that do not end by themselves.
-pub const MOST_TURNS: u32 = 65_536;
 
 /// Outputs of the vertex stage.
 const MOST_VARYINGS: usize = 12;

@@ -47,7 +47,6 @@ pub use check::{MOST_LOOPS, MOST_NODES, MOST_TEXTURES};
 pub use compile::{Compiled, Compiler};
 pub use dot::{Detail, dot};
 pub use edit::{By, Edit, EditList, Edited, STAGES, edited};
-pub use emit::MOST_TURNS;
 pub use error::{Error, Problem};
 pub use functions::{Function, Patterns, Port, of_library, of_slot};
 pub use group::unfolded;
@@ -57,5 +56,5 @@ pub use model::{
 };
 pub use pre_integrated::{MOST_EDGE, pre_integrated};
 pub use standard::standard;
-pub use text::{GraphUse, ReadFile, VERSION, schema};
+pub use text::{GraphUse, MOST_GRAPH_BYTES, ReadFile, VERSION, schema};
 pub use types::{Meaning, Scalar, Type};

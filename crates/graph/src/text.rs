@@ -19,7 +19,7 @@ use std::marker::PhantomData;
 pub const VERSION: i64 = 1;
 
 /// No graph is longer; a text that is was not meant as one.
-const MAX_BYTES: usize = 64 << 20;
+pub const MOST_GRAPH_BYTES: usize = 64 << 20;
 
 /// Files in one another.
 const DEEPEST: usize = 16;
@@ -157,12 +157,12 @@ fn parse(file: &str, text: &str) -> Result<GraphText, Error> {
         column,
         why,
     };
-    if text.len() > MAX_BYTES {
+    if text.len() > MOST_GRAPH_BYTES {
         let n = text.len();
         return Err(wrong(
             1,
             1,
-            format!("{n} bytes; a graph has at most {MAX_BYTES}"),
+            format!("{n} bytes; a graph has at most {MOST_GRAPH_BYTES}"),
         ));
     }
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);

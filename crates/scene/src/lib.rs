@@ -61,7 +61,7 @@ pub use light::{Light, LightKind, LightSpace};
 pub use method::Method;
 pub use noise_tile::NoiseTile;
 pub use object::{Placement, SceneObject};
-pub use parse::{Error, schema};
+pub use parse::{Error, MOST_SCENE_BYTES, schema};
 pub use preset::{PresetInfo, presets};
 pub use problem::{Problem, Problems};
 pub use resolve::{resolve, resolve_with};

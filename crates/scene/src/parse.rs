@@ -7,14 +7,14 @@ use serde::forward_to_deserialize_any;
 use serde_json::error::Category;
 
 /// No scene is longer; a text that is was not meant as one.
-const MAX_BYTES: usize = 16 << 20;
+pub const MOST_SCENE_BYTES: usize = 16 << 20;
 
 /// Why a text is not a scene.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// The text is longer than any scene.
-    #[error("{file}: {bytes} bytes; a scene has at most {MAX_BYTES}")]
+    #[error("{file}: {bytes} bytes; a scene has at most {MOST_SCENE_BYTES}")]
     TooLong {
         /// Name of the text.
         file: String,
@@ -75,7 +75,7 @@ impl Scene {
     /// The first mistake, with its line, column and path.
     pub fn parse(name: &str, text: &str) -> Result<Scene, Error> {
         let file = name.to_owned();
-        if text.len() > MAX_BYTES {
+        if text.len() > MOST_SCENE_BYTES {
             return Err(Error::TooLong {
                 file,
                 bytes: text.len(),

@@ -14,9 +14,9 @@ use strahl_volume::{Grid, Rescale};
 /// [`Datasets`](strahl_volume::Datasets).
 #[derive(Clone, Debug)]
 pub struct Plan {
-    /// Pixels per row, 1 to 65,535.
+    /// Pixels per row, 1 to [`MOST_EDGE_PIXELS`].
     pub width: u32,
-    /// Rows, 1 to 65,535.
+    /// Rows, 1 to [`MOST_EDGE_PIXELS`].
     pub height: u32,
     /// Where the rays start and go.
     pub camera: PlanCamera,
@@ -55,11 +55,17 @@ pub struct Plan {
     pub display: Display,
 }
 
-/// Layers in one picture: a bit each in [`LayerSet`], a texture each on a GPU.
-pub const MOST_LAYERS: usize = 8;
+/// Layers in one picture: a bit each in [`LayerSet`], an object each in a ray loop of shader programs.
+pub const MOST_LAYERS: usize = strahl_shader::MOST_OBJECTS;
 
 /// Masks in one picture.
-pub const MOST_MASKS: usize = 4;
+pub use strahl_shader::MOST_MASKS;
+
+/// Pixels along an edge of a picture.
+pub const MOST_EDGE_PIXELS: u32 = 65_535;
+
+/// Frames that a picture is the mean of.
+pub const MOST_FRAMES: u32 = 65_536;
 
 /// A set of layers: bit i is layer i.
 pub type LayerSet = u32;
@@ -264,7 +270,7 @@ pub struct Lattice {
     pub step_mm: f64,
     /// Where in its step a sample lies.
     pub jitter: Jitter,
-    /// The picture is the mean of this many, each with its own jitter; 1 to 65,536.
+    /// The picture is the mean of this many, each with its own jitter; 1 to [`MOST_FRAMES`].
     pub frames: u32,
 }
 

@@ -4,8 +4,9 @@ use crate::clip::{ClipPlaces, PlanClips};
 use crate::places::check_labels;
 use crate::plan::{
     Classify, Compositing as PlanCompositing, Fetch, Field, GradientInput as PlanGradientInput,
-    GradientMethod as PlanGradientMethod, Jitter as PlanJitter, Lattice, MOST_LAYERS, Plan,
-    PlanCamera, PlanLight, PlanMesh, Reconstruct as PlanReconstruct, Shade, Technique,
+    GradientMethod as PlanGradientMethod, Jitter as PlanJitter, Lattice, MOST_EDGE_PIXELS,
+    MOST_FRAMES, MOST_LAYERS, Plan, PlanCamera, PlanLight, PlanMesh,
+    Reconstruct as PlanReconstruct, Shade, Technique,
 };
 use crate::problem::Checker;
 use crate::settled::{FORMAT, Settled, SettledVolume};
@@ -81,12 +82,14 @@ fn in_order_of_keys(mut problems: Vec<Problem>) -> Vec<Problem> {
 fn plan(settled: &Settled, headers: &Headers, checker: &mut Checker) -> Option<Plan> {
     let size = settled.size;
     for (axis, pixels) in size.into_iter().enumerate() {
-        if pixels == 0 || pixels > 65_535 {
-            checker.add(format!("size[{axis}]"), pixels, "1 to 65535");
+        if !(1..=MOST_EDGE_PIXELS).contains(&pixels) {
+            let allowed = format!("1 to {MOST_EDGE_PIXELS}");
+            checker.add(format!("size[{axis}]"), pixels, &allowed);
         }
     }
-    if !(1..=65_536).contains(&settled.frames) {
-        checker.add("frames", settled.frames, "1 to 65536");
+    if !(1..=MOST_FRAMES).contains(&settled.frames) {
+        let allowed = format!("1 to {MOST_FRAMES}");
+        checker.add("frames", settled.frames, &allowed);
     }
     if let Background::Color(color) = settled.background {
         crate::light::check_color("background", color, checker);

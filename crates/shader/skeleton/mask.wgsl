@@ -1,26 +1,3 @@
-@group(0) @binding(8) var mask_0: texture_3d<f32>;
-@group(0) @binding(9) var mask_1: texture_3d<f32>;
-@group(0) @binding(10) var mask_2: texture_3d<f32>;
-@group(0) @binding(11) var mask_3: texture_3d<f32>;
-
-fn mask_dims(index: u32) -> vec3i {
-    switch index {
-        case 0u: { return vec3i(textureDimensions(mask_0)); }
-        case 1u: { return vec3i(textureDimensions(mask_1)); }
-        case 2u: { return vec3i(textureDimensions(mask_2)); }
-        default: { return vec3i(textureDimensions(mask_3)); }
-    }
-}
-
-fn mask_texel(index: u32, voxel: vec3i) -> f32 {
-    switch index {
-        case 0u: { return textureLoad(mask_0, voxel, 0).r; }
-        case 1u: { return textureLoad(mask_1, voxel, 0).r; }
-        case 2u: { return textureLoad(mask_2, voxel, 0).r; }
-        default: { return textureLoad(mask_3, voxel, 0).r; }
-    }
-}
-
 // By eight texels: masks are cut at a threshold, which shows the coarse weights of texture units.
 fn mask(index: u32, place: vec3f) -> f32 {
     if any(place < vec3f(0.0)) || any(place > vec3f(1.0)) {

@@ -51,11 +51,11 @@ pub use cost::{Cost, Work};
 pub use error::{Error, Report};
 pub use library::{built_in, library};
 pub use link::{Linker, MOST_TURNS, Selection};
-pub use module::{Module, PRELUDE, Ports};
+pub use module::{MOST_MODULE_BYTES, Module, PRELUDE, Ports};
 pub use parameter::{Parameter, Scalar};
 pub use program::{Block, Origin, Program};
 pub use skeleton::{
-    BRICK_VOXELS, MOST_OBJECTS, NOWHERE_MM, PAGE_VOXELS, RayLoop, Skeleton, TABLE_ROW, Texels,
-    bindings, graph_loop, ray_loop, surrounding_words,
+    BRICK_VOXELS, MOST_MASKS, MOST_OBJECTS, NOWHERE_MM, PAGE_VOXELS, RayLoop, Skeleton, TABLE_ROW,
+    Texels, bindings, graph_loop, ray_loop, surrounding_words,
 };
 pub use slot::{Fold, SLOTS, SUPPLIED, Signature, Slot, slot};

@@ -16,7 +16,7 @@ use std::fmt::Write;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// How many times all loops of a user's module may turn per ray, together.
+/// How many times all loops of a user's module, or of a graph, may turn per ray, together.
 pub const MOST_TURNS: u32 = 65_536;
 
 /// The functions that are chosen, slot by slot. Slots that are not filled get their null function.

@@ -22,7 +22,7 @@ use std::sync::Arc;
 pub const PRELUDE: &str = include_str!("prelude.wgsl");
 
 /// A text longer than this is not a shader function.
-const LONGEST_TEXT: usize = 256 << 10;
+pub const MOST_MODULE_BYTES: usize = 256 << 10;
 
 /// No variable of a function may take more, because a GPU has to keep it for every ray at once.
 const LARGEST_TYPE: u32 = 16 << 10;
@@ -174,10 +174,10 @@ impl Module {
         is_node: bool,
     ) -> Result<Module, Error> {
         let text = Text { file, source };
-        if source.len() > LONGEST_TEXT {
+        if source.len() > MOST_MODULE_BYTES {
             return Err(text.error(
                 format!(
-                    "the text has {} bytes; a module has at most {LONGEST_TEXT}",
+                    "the text has {} bytes; a module has at most {MOST_MODULE_BYTES}",
                     source.len()
                 ),
                 0..0,

@@ -90,6 +90,9 @@ pub struct RayLoop {
 /// Objects, and volumes, in one ray loop.
 pub const MOST_OBJECTS: usize = 8;
 
+/// Masks in one ray loop.
+pub const MOST_MASKS: usize = 4;
+
 /// Edge of a brick of the occupancy texture, in voxels.
 pub const BRICK_VOXELS: u32 = 8;
 
@@ -122,10 +125,8 @@ pub mod bindings {
     /// `texture_2d<f32>`: how far along each pixel's ray opaque geometry lies, in mm from the ray's
     /// start; [`NOWHERE_MM`](crate::NOWHERE_MM) without. It covers the part that is drawn.
     pub const OPAQUE_MM: u32 = 7;
-    /// `texture_3d<f32>`, [`MASKS`] of them from here on.
+    /// `texture_3d<f32>`, [`MOST_MASKS`](crate::MOST_MASKS) of them from here on.
     pub const FIRST_MASK: u32 = 8;
-    /// Masks.
-    pub const MASKS: u32 = 4;
     /// `texture_3d<u32>`, rg: the page tables of all paged volumes, each from the `pages_first` of the
     /// objects that show it on. x: column, row and slice of the page in the atlas, 10 bits each from
     /// the lowest; with bit 31 set the page is in no atlas, as all its texels are one number, whose
@@ -200,7 +201,6 @@ pub fn surrounding_words() -> &'static HashSet<&'static str> {
             include_str!("../skeleton/forwards.wgsl"),
             include_str!("../skeleton/tile.wgsl"),
             include_str!("../skeleton/opaque_mm.wgsl"),
-            include_str!("../skeleton/mask.wgsl"),
             include_str!("../skeleton/pages.wgsl"),
             include_str!("../skeleton/texel.wgsl"),
             include_str!("../skeleton/linear_by_texels.wgsl"),
@@ -265,20 +265,19 @@ fn skeleton(what: &RayLoop, kind: &str, march: &str) -> Result<Skeleton, Error> 
     } else {
         include_str!("../skeleton/values_any.wgsl")
     };
-    let parts = [
-        look,
-        behind,
-        values,
-        include_str!("../skeleton/tile.wgsl"),
-        include_str!("../skeleton/opaque_mm.wgsl"),
-        include_str!("../skeleton/mask.wgsl"),
-        include_str!("../skeleton/texel.wgsl"),
-        include_str!("../skeleton/linear_by_texels.wgsl"),
-        include_str!("../skeleton/pages.wgsl"),
+    let parts = vec![
+        look.into(),
+        behind.into(),
+        values.into(),
+        include_str!("../skeleton/tile.wgsl").into(),
+        include_str!("../skeleton/opaque_mm.wgsl").into(),
+        masks().into(),
+        include_str!("../skeleton/texel.wgsl").into(),
+        include_str!("../skeleton/linear_by_texels.wgsl").into(),
+        include_str!("../skeleton/pages.wgsl").into(),
+        stored(volumes).into(),
+        texel_linear(volumes).into(),
     ];
-    let mut parts: Vec<_> = parts.map(|part| part.into()).into();
-    parts.push(stored(volumes).into());
-    parts.push(texel_linear(volumes).into());
     Ok(Skeleton {
         name,
         wgsl: wgsl.into(),
@@ -304,6 +303,38 @@ fn textures(volumes: &[Texels]) -> String {
         );
     }
     text.push('\n');
+    text
+}
+
+/// The masks, and the functions that read them.
+fn masks() -> String {
+    let mut text = String::new();
+    for i in 0..MOST_MASKS {
+        let binding = bindings::FIRST_MASK + i as u32;
+        let _ = writeln!(
+            text,
+            "@group(0) @binding({binding}) var mask_{i}: texture_3d<f32>;"
+        );
+    }
+    let mut of_each = |signature: &str, read: &dyn Fn(usize) -> String| {
+        let _ = write!(text, "\nfn {signature} {{\n    switch index {{\n");
+        for i in 0..MOST_MASKS {
+            let case = match i + 1 == MOST_MASKS {
+                true => "default".to_owned(),
+                false => format!("case {i}u"),
+            };
+            let _ = writeln!(text, "        {case}: {{ return {}; }}", read(i));
+        }
+        text.push_str("    }\n}\n");
+    };
+    of_each("mask_dims(index: u32) -> vec3i", &|i| {
+        format!("vec3i(textureDimensions(mask_{i}))")
+    });
+    of_each("mask_texel(index: u32, voxel: vec3i) -> f32", &|i| {
+        format!("textureLoad(mask_{i}, voxel, 0).r")
+    });
+    text.push('\n');
+    text.push_str(include_str!("../skeleton/mask.wgsl"));
     text
 }
 

@@ -8,13 +8,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use strahl_scene::{Clip, Headers, MaskClip, Scene, VolumeSource};
-use strahl_shader::Module;
+use strahl_shader::{MOST_MODULE_BYTES, Module};
 use strahl_volume::read::ReadOptions;
 use strahl_volume::read::mesh::read_mesh;
 use strahl_volume::{Datasets, Grid, LabelVolume, Mesh, Phantom, Volume};
-
-/// No shader function is longer; the linker has the same limit and the words for it.
-const MOST_MODULE_BYTES: u64 = (256 << 10) + 1;
 
 /// The data of a scene.
 pub(crate) struct SceneData<'a> {
@@ -151,7 +148,8 @@ fn read_module(path: &Path) -> Result<Module, Error> {
     let fail = |error| Error::path(path, error);
     let mut text = Vec::new();
     let file = fs::File::open(path).map_err(fail)?;
-    file.take(MOST_MODULE_BYTES)
+    // One more, so that the parser sees what is too long and has the words for it.
+    file.take(MOST_MODULE_BYTES as u64 + 1)
         .read_to_end(&mut text)
         .map_err(fail)?;
     let text = String::from_utf8(text)

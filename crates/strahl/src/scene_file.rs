@@ -4,7 +4,7 @@ use crate::{Error, Recipe, scene_graph};
 use std::fs::{self, File};
 use std::io::Read;
 use std::path::{Component, Path, PathBuf};
-use strahl_scene::{Clip, GraphText, Scene};
+use strahl_scene::{Clip, GraphText, MOST_SCENE_BYTES, Scene};
 
 /// A scene and where it comes from.
 #[derive(Clone, Debug)]
@@ -17,8 +17,6 @@ pub struct SceneFile {
     pub software: Option<String>,
 }
 
-/// No longer text is a scene; [`Scene::parse`] has the same limit and the words for it.
-const MAX_BYTES: u64 = (16 << 20) + 1;
 /// How much of a file is looked at to tell a scene from a volume.
 const HEAD_BYTES: u64 = 1 << 16;
 
@@ -49,7 +47,10 @@ impl SceneFile {
             if !named && !begins_like_a_scene(&bytes) {
                 return Ok(None);
             }
-            file.take(MAX_BYTES).read_to_end(&mut bytes).map_err(fail)?;
+            // One more, so that the parser sees what is too long and has the words for it.
+            file.take(MOST_SCENE_BYTES as u64 + 1)
+                .read_to_end(&mut bytes)
+                .map_err(fail)?;
             let text = String::from_utf8(bytes).map_err(|e| {
                 let at = e.utf8_error().valid_up_to();
                 Error::not_usable(path, format!("a scene is text in UTF-8; byte {at} is not"))

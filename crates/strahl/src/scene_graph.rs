@@ -5,16 +5,13 @@ use std::fs;
 use std::io::Read;
 use std::path::Path;
 use strahl_graph::{
-    Compiled, Compiler, Edited, GraphUse, Patterns, Problem, Texture, edited, pre_integrated,
-    standard,
+    Compiled, Compiler, Edited, GraphUse, MOST_GRAPH_BYTES, Patterns, Problem, Texture, edited,
+    pre_integrated, standard,
 };
 use strahl_program::{Functions, Table2d};
 use strahl_scene::plan::Plan;
 use strahl_scene::{GraphText, linear_from_srgb};
 use strahl_shader::{RayLoop, Texels};
-
-/// No text is longer; the parser has the same limit and the words for it.
-const MOST_BYTES: u64 = (64 << 20) + 1;
 
 /// Texels of one picture.
 const MOST_TEXELS: u64 = 1 << 26;
@@ -192,7 +189,8 @@ pub(crate) fn read(name: &str, text: &str, folder: &Path) -> Result<GraphUse, Er
 fn text_of(path: &Path) -> Result<String, std::io::Error> {
     let mut bytes = Vec::new();
     fs::File::open(path)?
-        .take(MOST_BYTES)
+        // One more, so that the parser sees what is too long and has the words for it.
+        .take(MOST_GRAPH_BYTES as u64 + 1)
         .read_to_end(&mut bytes)?;
     String::from_utf8(bytes).map_err(|_| std::io::Error::other("it is no text in UTF-8"))
 }

@@ -255,7 +255,7 @@ fn a_loop_that_may_not_end_is_ended() {
         "next": { "wgsl": "fn next(i: u32) -> u32 { return i + 1u; }", "inputs": { "i": "walk.i" } },
         "turns": { "pattern": "number_of_index", "inputs": { "index": "walk.last.i" } }"#;
     let text = showing(nodes, "turns");
-    assert_eq!(computed(&text)[0], strahl_graph::MOST_TURNS as f32);
+    assert_eq!(computed(&text)[0], strahl_shader::MOST_TURNS as f32);
 }
 
 #[test]
