@@ -24,6 +24,7 @@ fn of_picture(error: &Error) -> Option<String> {
         Error::Evaluate(evaluate::Error::Shader(shader::Error::Sampling { .. }))
         | Error::Shader(shader::Error::Sampling { .. })
         | Error::Graph(graph::Error::Sampling { .. }) => NO_GRAPH,
+        Error::NoStages => "draw with --backend cpu and without --graph, or without --stages",
         _ => return None,
     };
     Some(remedy.to_owned())

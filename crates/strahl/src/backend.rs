@@ -76,8 +76,7 @@ pub(crate) fn draw(
     progress: &(dyn Fn(f64) + Sync),
 ) -> Result<Drawn, Error> {
     if show.is_some() && (*backend != Backend::Cpu || graph.is_some()) {
-        let message = "pictures in stages are drawn by the processor's renderer only; draw with --backend cpu and without a graph, or without --stages";
-        return Err(Error::Picture(message.to_owned()));
+        return Err(Error::NoStages);
     }
     match backend {
         Backend::Cpu => on_cpu(data, plan, graph, options, show, progress),

@@ -52,9 +52,47 @@ pub enum Error {
     /// No picture was drawn on the graphics processor.
     #[error(transparent)]
     Gpu(#[from] strahl_gpu::Error),
-    /// The picture cannot be stored as asked, or a picture file cannot be read.
-    #[error("{0}")]
-    Picture(String),
+    /// No volume is named, by the scene (of this file, if it comes from one) or beside it.
+    #[error(
+        "{}volume is missing; give the scene a \"volume\" with a \"path\" or a \"phantom\", or name a volume beside the scene",
+        Named(.scene)
+    )]
+    NoVolume {
+        /// The file of the scene.
+        scene: Option<PathBuf>,
+    },
+    /// Stages are asked for, and the renderer (or the graph) draws pictures as a whole.
+    #[error(
+        "pictures in stages are drawn by the processor's own ray loop only, and not by a graph"
+    )]
+    NoStages,
+    /// A picture file cannot be written.
+    #[error("the {format} file cannot be written: {why}")]
+    NotWritten {
+        /// PNG or EXR.
+        format: &'static str,
+        /// What the encoder said.
+        why: String,
+    },
+    /// A picture file cannot be read.
+    #[error("the {format} file cannot be read: {why}")]
+    NotRead {
+        /// PNG or EXR.
+        format: &'static str,
+        /// What the decoder said.
+        why: String,
+    },
+    /// PNG holds no depth.
+    #[error("PNG holds no depth; a picture with depth has to end in .exr")]
+    NoDepth,
+    /// A depth that belongs to another picture.
+    #[error("the depth has {numbers} numbers; it has to have one for each of {pixels} pixels")]
+    DepthSize {
+        /// Of the depth.
+        numbers: usize,
+        /// Of the picture.
+        pixels: usize,
+    },
 }
 
 impl From<strahl_scene::Problems> for Error {
@@ -87,6 +125,16 @@ impl Error {
             },
             other => other,
         }
+    }
+
+    pub(crate) fn not_read(format: &'static str, why: impl fmt::Display) -> Error {
+        let why = why.to_string();
+        Error::NotRead { format, why }
+    }
+
+    pub(crate) fn not_written(format: &'static str, why: impl fmt::Display) -> Error {
+        let why = why.to_string();
+        Error::NotWritten { format, why }
     }
 
     pub(crate) fn not_usable(path: &Path, why: impl Into<String>) -> Error {

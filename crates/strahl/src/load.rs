@@ -30,7 +30,7 @@ pub fn load_with_progress(
     progress: &(dyn Fn(f64) + Sync),
 ) -> Result<Loaded, Error> {
     match paths {
-        [] => Err(Error::Picture("no volume is named".into())),
+        [] => Err(Error::NoVolume { scene: None }),
         [path] => {
             let metadata = fs::metadata(path).map_err(|error| Error::path(path, error))?;
             if metadata.is_dir() {

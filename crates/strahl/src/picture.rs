@@ -72,7 +72,7 @@ impl Recipe {
     pub fn of_file(path: &Path) -> Result<Option<Recipe>, Error> {
         let file = File::open(path).map_err(|source| Error::path(path, source))?;
         Recipe::of(BufReader::new(file)).map_err(|error| match error {
-            Error::Picture(why) => Error::not_usable(path, why),
+            error @ Error::NotRead { .. } => Error::not_usable(path, error.to_string()),
             other => other,
         })
     }
@@ -81,7 +81,7 @@ impl Recipe {
         let mut start = Vec::new();
         let read = (&mut file).take(8).read_to_end(&mut start);
         read.and_then(|_| file.rewind())
-            .map_err(|e| Error::Picture(e.to_string()))?;
+            .map_err(|e| Error::not_read("picture", e))?;
         if png::is_png(&start) {
             png::read_recipe(file)
         } else if exr::is_exr(&start) {
@@ -109,16 +109,13 @@ pub fn write_picture(
 ) -> Result<(), Error> {
     if let Some(depth_mm) = depth_mm {
         if matches!(encoding, Encoding::Png8 | Encoding::Png16) {
-            return Err(Error::Picture(
-                "PNG holds no depth; a picture with depth has to end in .exr".into(),
-            ));
+            return Err(Error::NoDepth);
         }
         if depth_mm.len() != image.pixels().len() {
-            return Err(Error::Picture(format!(
-                "the depth has {} numbers; it has to have one for each of {} pixels",
-                depth_mm.len(),
-                image.pixels().len()
-            )));
+            return Err(Error::DepthSize {
+                numbers: depth_mm.len(),
+                pixels: image.pixels().len(),
+            });
         }
     }
     match encoding {

@@ -378,13 +378,8 @@ impl<'a> Render<'a> {
             }
             (Source::Scene, Some(source)) => source,
             (Source::Scene, None) => {
-                let what = match &self.scene_path {
-                    Some(path) => format!("{}: ", path.display()),
-                    None => String::new(),
-                };
-                return Err(Error::Picture(format!(
-                    "{what}volume is missing; give the scene a \"volume\" with a \"path\" or a \"phantom\", or name a volume beside the scene"
-                )));
+                let scene = self.scene_path.clone();
+                return Err(Error::NoVolume { scene });
             }
         };
         let options = self.read_options(source)?;

@@ -105,7 +105,7 @@ fn whole_graph(name: &str, text: &str, folder: &Path) -> Result<GraphText, Error
             *path = joined.to_owned();
         }
     });
-    GraphText::new(asked.to_text()).map_err(Error::Picture)
+    GraphText::new(asked.to_text()).map_err(|why| Error::not_usable(Path::new(name), why))
 }
 
 /// A damaged picture may still be a slice of a volume, whose reader has better words for it.

@@ -53,7 +53,7 @@ pub(super) fn write(
     ExrImage::from_layer(layer)
         .write()
         .to_buffered(out)
-        .map_err(|e| Error::Picture(format!("the EXR file cannot be written: {e}")))
+        .map_err(|e| Error::not_written("EXR", e))
 }
 
 fn attributes(recipe: Option<&Recipe>) -> LayerAttributes {
@@ -70,8 +70,7 @@ fn attributes(recipe: Option<&Recipe>) -> LayerAttributes {
 
 /// The recipe in an EXR file, if it has one.
 pub(super) fn read_recipe(file: impl Read) -> Result<Option<Recipe>, Error> {
-    let meta = MetaData::read_from_buffered(file, false)
-        .map_err(|e| Error::Picture(format!("not an EXR file that can be read: {e}")))?;
+    let meta = MetaData::read_from_buffered(file, false).map_err(|e| Error::not_read("EXR", e))?;
     Ok(meta.headers.first().and_then(|header| {
         let attributes = &header.own_attributes;
         match attributes.other.get(&Text::from(SCENE))? {

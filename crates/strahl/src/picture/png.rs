@@ -92,7 +92,7 @@ pub(super) fn write(
 pub(super) fn read_recipe(file: impl BufRead + Seek) -> Result<Option<Recipe>, Error> {
     let reader = Decoder::new(file)
         .read_info()
-        .map_err(|e| Error::Picture(format!("not a PNG file that can be read: {e}")))?;
+        .map_err(|e| Error::not_read("PNG", e))?;
     let text = |keyword: &str| {
         let chunks = &reader.info().utf8_text;
         let chunk = chunks.iter().find(|c| c.keyword == keyword)?;
@@ -105,5 +105,5 @@ pub(super) fn read_recipe(file: impl BufRead + Seek) -> Result<Option<Recipe>, E
 }
 
 fn cannot_write(error: EncodingError) -> Error {
-    Error::Picture(format!("the PNG file cannot be written: {error}"))
+    Error::not_written("PNG", error)
 }
