@@ -79,6 +79,7 @@ pub use strahl_scene as scene;
 /// Shader functions: every step of the ray.
 pub use strahl_shader as shader;
 /// The model of a ray-casting processor.
+#[cfg(feature = "sim")]
 pub use strahl_sim as sim;
 /// Stored data and the files it comes from.
 pub use strahl_volume as volume;

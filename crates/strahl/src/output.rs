@@ -5,7 +5,7 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
-use tempfile::{Builder, NamedTempFile};
+use std::sync::atomic::{AtomicU32, Ordering};
 
 /// Paths of the temporary files that exist now, for [`abandon_outputs`].
 static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
@@ -23,7 +23,7 @@ pub struct Output {
 
 #[derive(Debug)]
 enum Kind {
-    Renamed(BufWriter<NamedTempFile>),
+    Renamed(BufWriter<Part>),
     /// A device or pipe, which must not be replaced by a file. Kept in memory, since a picture is
     /// written with seeks.
     Device(io::Cursor<Vec<u8>>, File),
@@ -74,15 +74,15 @@ impl Output {
             ));
         }
         let mut unfinished = UNFINISHED.lock().unwrap_or_else(|e| e.into_inner());
-        let file = new_file(folder)
+        let file = Part::new(folder)
             .and_then(|file| {
                 if let Some(metadata) = &existing {
-                    file.as_file().set_permissions(metadata.permissions())?;
+                    file.file.set_permissions(metadata.permissions())?;
                 }
                 Ok(file)
             })
             .map_err(|source| Error::not_usable(target, format!("cannot be written: {source}")))?;
-        unfinished.push(file.path().to_owned());
+        unfinished.push(file.path.clone());
         Ok(Output {
             target: path,
             kind: Kind::Renamed(BufWriter::with_capacity(1 << 16, file)),
@@ -103,7 +103,7 @@ impl Output {
             Kind::Renamed(file) => file.flush().and_then(|()| {
                 // Under the lock, so that an interrupt comes before or after, never between.
                 let mut unfinished = UNFINISHED.lock().unwrap_or_else(|e| e.into_inner());
-                let from = file.get_ref().path().to_owned();
+                let from = file.get_ref().path.clone();
                 fs::rename(&from, &self.target)?;
                 unfinished.retain(|path| *path != from);
                 Ok(())
@@ -114,19 +114,58 @@ impl Output {
     }
 }
 
-fn new_file(folder: &Path) -> io::Result<NamedTempFile> {
-    let mut builder = Builder::new();
-    builder.prefix(".strahl-").suffix(".part");
-    // Like any new file, not private as temporary files are.
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    builder.tempfile_in(folder)
+/// A new file beside the target, which goes when it is dropped.
+#[derive(Debug)]
+struct Part {
+    path: PathBuf,
+    file: File,
+}
+
+impl Part {
+    /// With a name that no other file has, and readable as any new file is.
+    fn new(folder: &Path) -> io::Result<Part> {
+        static NUMBER: AtomicU32 = AtomicU32::new(0);
+        let process = std::process::id();
+        loop {
+            let number = NUMBER.fetch_add(1, Ordering::Relaxed);
+            let path = folder.join(format!(".strahl-{process}-{number}.part"));
+            match OpenOptions::new().write(true).create_new(true).open(&path) {
+                Ok(file) => return Ok(Part { path, file }),
+                // Of a process that was killed and had the same number.
+                Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
+                Err(error) => return Err(error),
+            }
+        }
+    }
+}
+
+impl Write for Part {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.file.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
+}
+
+impl Seek for Part {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        self.file.seek(to)
+    }
+}
+
+impl Drop for Part {
+    fn drop(&mut self) {
+        // It is not there any more once it has the name of the target.
+        let _ = fs::remove_file(&self.path);
+    }
 }
 
 impl Drop for Output {
     fn drop(&mut self) {
         if let Kind::Renamed(file) = &self.kind {
-            let path = file.get_ref().path();
+            let path = &file.get_ref().path;
             UNFINISHED
                 .lock()
                 .unwrap_or_else(|e| e.into_inner())

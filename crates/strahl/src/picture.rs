@@ -6,6 +6,10 @@
 //! linear, premultiplied, without exposure and tone map; and the depth, if there is one.
 
 mod display;
+#[cfg(feature = "exr")]
+mod exr;
+#[cfg(not(feature = "exr"))]
+#[path = "picture/without_exr.rs"]
 mod exr;
 mod fxaa;
 mod png;
@@ -48,6 +52,10 @@ impl Encoding {
             (Some("png"), Some(bits)) => Err(Error::not_usable(
                 path,
                 format!("PNG has no {bits}-bit channels; 8 and 16 are possible"),
+            )),
+            (Some("exr"), _) if !cfg!(feature = "exr") => Err(Error::not_usable(
+                path,
+                "EXR is not part of this build; build with the feature `exr`, or write .png",
             )),
             (Some("exr"), Some(16)) => Ok(Encoding::ExrHalf),
             (Some("exr"), None | Some(32)) => Ok(Encoding::ExrFloat),
