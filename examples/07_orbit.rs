@@ -1,10 +1,11 @@
-//! Once around a volume, with the layers below [`strahl::Render`]: the volume is prepared once, each
+//! Once around a volume, with the layers below [`strahl::Render`]: what is made of the volume is kept, each
 //! picture is a scene, resolved into a plan, drawn, and written.
 //!
 //!     cargo run --release --example 07_orbit [PICTURES]
 
 use std::path::PathBuf;
-use strahl::cpu::{Options, Renderer, no_progress};
+use strahl::Control;
+use strahl::cpu::{Options, Renderer};
 use strahl::scene::resolve;
 use strahl::{Camera, Encoding, Output, Phantom, Scene, write_picture};
 
@@ -15,7 +16,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
     let volume = Phantom::Tree.volume([128, 128, 128])?;
     let header = volume.header();
-    // Bricks for skipping are made here, once.
+    // The first picture makes bricks for skipping; the others find them.
     let renderer = Renderer::new(&volume);
     for i in 0..count {
         let scene = Scene {
@@ -31,7 +32,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         };
         // Everything that can be wrong with a scene is found here, not while drawing.
         let plan = resolve(&scene, &header, None)?;
-        let drawn = renderer.render(&plan, &Options::default(), &no_progress)?;
+        let drawn = renderer.render(&plan, &Options::default(), &Control::NONE)?;
 
         let path = PathBuf::from(format!("07_orbit_{i:03}.png"));
         // The file gets its name when it is complete.

@@ -5,6 +5,7 @@
 use std::time::Instant;
 use strahl_evaluate::Evaluator;
 use strahl_scene::{Scene, resolve};
+use strahl_volume::Control;
 use strahl_volume::Phantom;
 
 const ROUNDS: usize = 7;
@@ -29,12 +30,7 @@ fn main() {
     let scene = Scene::parse("small", r#"{ "size": [1, 1] }"#).unwrap();
     let plan = resolve(&scene, &volume.header(), None).unwrap();
     let mut evaluator = Evaluator::new(&volume);
-    let mut once = || {
-        evaluator
-            .render(&plan, strahl_evaluate::no_progress)
-            .unwrap()
-            .seconds
-    };
+    let mut once = || evaluator.render(&plan, &Control::NONE).unwrap().seconds;
     once();
     let seconds = median((0..ROUNDS).map(|_| once()).collect());
     println!(
@@ -55,11 +51,11 @@ fn main() {
             for _ in 0..ROUNDS {
                 let start = Instant::now();
                 let drawn = twins
-                    .render(&plan, &Default::default(), &strahl_cpu::no_progress)
+                    .render(&plan, &Default::default(), &Control::NONE)
                     .unwrap();
                 samples = drawn.stats.samples;
                 by_twins.push(start.elapsed().as_secs_f64());
-                let drawn = evaluator.render(&plan, strahl_evaluate::no_progress);
+                let drawn = evaluator.render(&plan, &Control::NONE);
                 by_program.push(drawn.unwrap().seconds);
             }
             let (twins, program) = (median(by_twins), median(by_program));

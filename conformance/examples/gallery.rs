@@ -8,8 +8,9 @@ use std::path::Path;
 use strahl_conformance::agreement::agreement;
 use strahl_conformance::gallery::{GALLERY, scene};
 use strahl_conformance::golden::Golden;
-use strahl_gpu::{Device, no_progress};
+use strahl_gpu::Device;
 use strahl_scene::{Scene, resolve};
+use strahl_volume::Control;
 use strahl_volume::phantom::Phantom;
 
 const SIZE: [u32; 2] = [128, 128];
@@ -40,7 +41,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         Err(error) => return Err(format!("the gallery compares with an adapter: {error}").into()),
     }
     let device = device?;
-    let mut gpu = strahl_gpu::Renderer::new(&device, &volume)?;
+    let mut gpu = strahl_gpu::Renderer::new(&device, &volume);
     writeln!(page, "| | step | variant | scene | alike | off |")?;
     writeln!(page, "|---|---|---|---|---|---|")?;
     let mut differ = Vec::new();
@@ -51,9 +52,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         let cpu = strahl_cpu::Renderer::new(&volume).render(
             &plan,
             &Default::default(),
-            &strahl_cpu::no_progress,
+            &Control::NONE,
         )?;
-        let with = gpu.render(&plan, no_progress)?;
+        let with = gpu.render(&plan, &Control::NONE)?;
         let alike = agreement(&cpu.image, &with.image);
         let pixels = f64::from(SIZE[0] * SIZE[1]);
         let far = (alike.far * pixels).round();

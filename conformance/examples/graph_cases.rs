@@ -7,8 +7,8 @@
 mod cases;
 
 use cases::{CASES, tables};
-use strahl_gpu::{Device, Renderer, no_progress};
-use strahl_volume::{Datasets, Volume};
+use strahl_gpu::{Device, Renderer};
+use strahl_volume::{Control, Datasets};
 
 const ROUNDS: usize = 21;
 
@@ -22,10 +22,10 @@ fn main() {
         let volumes = case.volumes();
         let plan = case.plan(&volumes);
         let data = Datasets {
-            volumes: volumes.iter().collect::<Vec<&Volume>>(),
+            volumes: volumes.clone(),
             ..Datasets::default()
         };
-        let mut renderer = Renderer::new(&device, data).expect("room for the volumes");
+        let mut renderer = Renderer::new(&device, data);
         let functions = renderer.functions(&plan).expect("functions");
         let what = renderer.loop_of(&plan).expect("a loop");
         let generated = case.generated(&plan, &what, &functions);
@@ -36,7 +36,7 @@ fn main() {
         for round in 0..=ROUNDS {
             let mut draw = |program, parameters: &[u8]| {
                 let start = cpu_seconds();
-                let drawn = renderer.render_by(&plan, program, parameters, &tables, no_progress);
+                let drawn = renderer.render_by(&plan, program, parameters, &tables, &Control::NONE);
                 let image = drawn.expect("a picture").image;
                 (image, cpu_seconds() - start)
             };

@@ -1,6 +1,7 @@
 //! The renderers under test.
 
 use strahl_scene::{Image, plan::Plan};
+use strahl_volume::Control;
 use strahl_volume::Volume;
 
 /// A renderer, as the tests see it.
@@ -25,11 +26,7 @@ pub fn renderers() -> Vec<Renderer> {
 
 fn draw_on_cpu(volume: &Volume, plan: &Plan) -> Image {
     strahl_cpu::Renderer::new(volume)
-        .render(
-            plan,
-            &strahl_cpu::Options::default(),
-            &strahl_cpu::no_progress,
-        )
+        .render(plan, &strahl_cpu::Options::default(), &Control::NONE)
         .unwrap_or_else(|error| panic!("cpu: {error}"))
         .image
 }

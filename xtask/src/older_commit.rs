@@ -34,7 +34,9 @@ impl<'r> OlderCommit<'r> {
         if let Some(folder) = copy.parent() {
             std::fs::create_dir_all(folder)?;
         }
-        std::fs::copy(self.root.join(example), &copy)
+        let text = std::fs::read_to_string(self.root.join(example))
+            .with_context(|| format!("cannot read {example}"))?;
+        std::fs::write(&copy, as_before(&self.checkout, text)?)
             .with_context(|| format!("cannot write {}", copy.display()))?;
         let name = Path::new(example)
             .file_stem()
@@ -43,6 +45,15 @@ impl<'r> OlderCommit<'r> {
         let before = built_example(&self.checkout, package, name)?;
         Ok([before, built_example(self.root, package, name)?])
     }
+}
+
+/// `text` with what commits before `Control` have instead, if the one in `checkout` is such.
+fn as_before(checkout: &Path, text: String) -> Result<String> {
+    let root = std::fs::read_to_string(checkout.join("crates/cpu/src/lib.rs"))?;
+    if !root.contains("no_progress") {
+        return Ok(text);
+    }
+    Ok(text.replace("&strahl_volume::Control::NONE", "&strahl_cpu::no_progress"))
 }
 
 /// Builds the example `name` of `package` in the checkout `root`; the program.

@@ -9,16 +9,16 @@ use std::sync::Arc;
 use strahl_conformance::agreement::agreement;
 use strahl_conformance::gallery::{GALLERY, scene};
 use strahl_conformance::scenes::{SCENES, prepare};
-use strahl_evaluate::{Evaluator, no_progress};
+use strahl_evaluate::Evaluator;
 use strahl_scene::plan::*;
 use strahl_scene::{Image, Scene, resolve};
 use strahl_shader::{Module, Texels};
 use strahl_volume::phantom::Phantom;
-use strahl_volume::{Datasets, Samples, Volume};
+use strahl_volume::{Control, Datasets, Samples, Volume, Work};
 
 fn on_cpu(data: Datasets, plan: &Plan) -> Image {
     strahl_cpu::Renderer::new(data)
-        .render(plan, &Default::default(), &strahl_cpu::no_progress)
+        .render(plan, &Default::default(), &Control::NONE)
         .unwrap()
         .image
 }
@@ -48,7 +48,9 @@ fn plan_of(volume: &Volume, text: &str) -> Plan {
 fn the_golden_scenes_look_the_same() {
     for (name, text) in SCENES {
         let (volume, plan) = prepare(name, text).unwrap();
-        let drawn = Evaluator::new(&volume).render(&plan, no_progress).unwrap();
+        let drawn = Evaluator::new(&volume)
+            .render(&plan, &Control::NONE)
+            .unwrap();
         looks_the_same(name, &on_cpu((&volume).into(), &plan), &drawn.image);
     }
 }
@@ -60,7 +62,7 @@ fn every_variant_looks_the_same() {
         for variant in GALLERY {
             let what = format!("{phantom:?} {}", variant.1);
             let plan = plan_of(&volume, &scene(variant, [60, 50]));
-            let drawn = Evaluator::new(&volume).render(&plan, no_progress);
+            let drawn = Evaluator::new(&volume).render(&plan, &Control::NONE);
             let drawn = drawn.unwrap_or_else(|error| panic!("{what}: {error}"));
             looks_the_same(&what, &on_cpu((&volume).into(), &plan), &drawn.image);
         }
@@ -70,10 +72,10 @@ fn every_variant_looks_the_same() {
 /// The same Plan of the same data on both, depth too.
 fn both_draw(what: &str, data: &Datasets, plan: &Plan) {
     let cpu = strahl_cpu::Renderer::new(data.clone())
-        .render(plan, &Default::default(), &strahl_cpu::no_progress)
+        .render(plan, &Default::default(), &Control::NONE)
         .unwrap();
     let drawn = Evaluator::new(data.clone())
-        .render(plan, no_progress)
+        .render(plan, &Control::NONE)
         .unwrap();
     looks_the_same(what, &cpu.image, &drawn.image);
     if let (Some(cpu), Some(drawn)) = (cpu.depth_mm, drawn.depth_mm) {
@@ -96,9 +98,9 @@ fn several_volumes_meshes_and_masks_look_the_same() {
     ));
     let mesh = wall(1.0);
     let data = Datasets {
-        volumes: vec![&a, &b],
-        masks: vec![&mask],
-        meshes: vec![&mesh],
+        volumes: vec![a.clone(), b.clone()],
+        masks: vec![mask.clone()],
+        meshes: vec![mesh.clone()],
     };
     let mut plan = two(&a, &b);
     (plan.width, plan.height) = (61, 50);
@@ -194,13 +196,15 @@ fn random_plans_look_the_same() {
         let cpu = match strahl_cpu::Renderer::new(&volume).render(
             &plan,
             &Default::default(),
-            &strahl_cpu::no_progress,
+            &Control::NONE,
         ) {
             Ok(drawn) => drawn.image,
             Err(strahl_cpu::Error::Coefficients(_)) => continue,
             Err(error) => panic!("{error}"),
         };
-        let here = Evaluator::new(&volume).render(&plan, no_progress).unwrap();
+        let here = Evaluator::new(&volume)
+            .render(&plan, &Control::NONE)
+            .unwrap();
         let d = agreement(&cpu, &here.image);
         drawn += 1;
         // Transfer functions one entry wide, edges of boxes and nearest voxels: single samples flip.
@@ -270,19 +274,20 @@ fn banded() -> (Volume, Plan) {
 #[test]
 fn a_function_of_the_user_is_drawn() {
     let (volume, plan) = banded();
-    let refused = strahl_cpu::Renderer::new(&volume).render(
-        &plan,
-        &Default::default(),
-        &strahl_cpu::no_progress,
-    );
+    let refused =
+        strahl_cpu::Renderer::new(&volume).render(&plan, &Default::default(), &Control::NONE);
     assert!(matches!(refused, Err(strahl_cpu::Error::NoTwin { .. })));
-    let drawn = Evaluator::new(&volume).render(&plan, no_progress).unwrap();
+    let drawn = Evaluator::new(&volume)
+        .render(&plan, &Control::NONE)
+        .unwrap();
     // Blue comes from nowhere else.
     let blue = drawn.image.pixels().iter().filter(|p| p[2] > 0.2).count();
     assert!(blue > 100, "{blue}");
     let mut wider = plan.clone();
     wider.modules[0].values[0].1 = vec![900.0];
-    let other = Evaluator::new(&volume).render(&wider, no_progress).unwrap();
+    let other = Evaluator::new(&volume)
+        .render(&wider, &Control::NONE)
+        .unwrap();
     assert_ne!(drawn.image.pixels(), other.image.pixels());
 }
 
@@ -295,10 +300,9 @@ fn graphics_processors_draw_the_same() {
         assert!(d.psnr_db >= 45.0 && d.far < 0.003, "{what}: {d:?}");
     };
     let draw = |what: &str, volume: &Volume, plan: &Plan| {
-        let here = Evaluator::new(volume).render(plan, no_progress).unwrap();
+        let here = Evaluator::new(volume).render(plan, &Control::NONE).unwrap();
         let there = strahl_gpu::Renderer::new(device, volume)
-            .unwrap()
-            .render(plan, strahl_gpu::no_progress)
+            .render(plan, &Control::NONE)
             .unwrap();
         near(what, &here.image, &there.image);
     };
@@ -316,7 +320,7 @@ fn however_a_program_reads_texels_the_picture_is_the_same() {
     let volume = Phantom::Anatomy.volume([40, 36, 44]).unwrap();
     let plan = plan_of(&volume, r#"{ "size": [60, 50] }"#);
     let mut evaluator = Evaluator::new(&volume);
-    let own = evaluator.render(&plan, no_progress).unwrap();
+    let own = evaluator.render(&plan, &Control::NONE).unwrap();
     for texels in [Texels::Float, Texels::Signed] {
         let is_filtered = texels == Texels::Float;
         let threshold = |_, threshold| f64::from(threshold);
@@ -327,7 +331,7 @@ fn however_a_program_reads_texels_the_picture_is_the_same() {
             .unwrap();
         let parameters = functions.parameters(&program).unwrap();
         let other = evaluator
-            .render_by(&plan, &program, &parameters, &[], no_progress)
+            .render_by(&plan, &program, &parameters, &[], &Control::NONE)
             .unwrap();
         looks_the_same(&format!("{texels:?}"), &own.image, &other.image);
     }
@@ -343,7 +347,11 @@ fn on_any_number_of_threads_the_bytes_are_the_same() {
             .num_threads(threads)
             .build()
             .unwrap();
-        pool.install(|| Evaluator::new(&volume).render(&plan, no_progress).unwrap())
+        pool.install(|| {
+            Evaluator::new(&volume)
+                .render(&plan, &Control::NONE)
+                .unwrap()
+        })
     };
     let bits = |rendered: strahl_evaluate::Rendered| {
         let pixels = rendered.image.pixels().to_vec();
@@ -359,13 +367,14 @@ fn on_any_number_of_threads_the_bytes_are_the_same() {
 #[test]
 fn a_picture_can_be_cancelled_and_a_plan_of_other_data_is_refused() {
     let (volume, plan) = banded();
-    let cancelled = Evaluator::new(&volume).render(&plan, |drawn, total| {
-        assert!(drawn <= total && total == 60);
-        std::ops::ControlFlow::Break(())
+    let control = Control::listening(|work, _| match work {
+        Work::Drawing => std::ops::ControlFlow::Break(()),
+        _ => std::ops::ControlFlow::Continue(()),
     });
+    let cancelled = Evaluator::new(&volume).render(&plan, &control);
     assert!(matches!(cancelled, Err(strahl_evaluate::Error::Cancelled)));
     let other = Phantom::Tree.volume([8, 8, 8]).unwrap();
-    let refused = Evaluator::new(&other).render(&plan, no_progress);
+    let refused = Evaluator::new(&other).render(&plan, &Control::NONE);
     assert!(matches!(
         refused,
         Err(strahl_evaluate::Error::OtherGrid { .. })
@@ -390,8 +399,7 @@ fn the_last_half_voxel_is_seen_whatever_the_bricks() {
         both_draw(&what, &data, &plan);
         let Some(device) = device() else { continue };
         let there = strahl_gpu::Renderer::new(device, &volume)
-            .unwrap()
-            .render(&plan, strahl_gpu::no_progress)
+            .render(&plan, &Control::NONE)
             .unwrap();
         looks_the_same(&what, &on_cpu(data, &plan), &there.image);
     }
@@ -416,7 +424,7 @@ fn programs_refuse_rules_of_sampling_by_name() {
             sampling,
             ..plan.clone()
         };
-        let drawn = Evaluator::new(&volume).render(&plan, no_progress);
+        let drawn = Evaluator::new(&volume).render(&plan, &Control::NONE);
         let name = format!("sampling.rule is {:?}", sampling.name());
         let message = drawn.err().map(|error| error.to_string());
         assert!(

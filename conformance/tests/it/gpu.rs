@@ -10,11 +10,11 @@ use std::sync::OnceLock;
 use strahl_conformance::agreement::agreement;
 use strahl_conformance::gallery::{GALLERY, scene};
 use strahl_conformance::scenes::{SCENES as SCENES_WITH_GOLDENS, prepare};
-use strahl_gpu::{Device, Renderer, no_progress};
+use strahl_gpu::{Device, Renderer};
 use strahl_scene::plan::*;
 use strahl_scene::{Image, Scene, resolve};
 use strahl_volume::phantom::Phantom;
-use strahl_volume::{Datasets, Grid, Metadata, Rescale, Samples, Volume};
+use strahl_volume::{Control, Datasets, Grid, Metadata, Rescale, Samples, Volume};
 
 pub fn device() -> Option<&'static Device> {
     static DEVICE: OnceLock<Option<Device>> = OnceLock::new();
@@ -39,11 +39,10 @@ fn both(volume: &Volume, scene: &str) -> Option<(Image, Image)> {
     )
     .unwrap();
     let cpu = strahl_cpu::Renderer::new(volume)
-        .render(&plan, &Default::default(), &strahl_cpu::no_progress)
+        .render(&plan, &Default::default(), &Control::NONE)
         .unwrap();
     let gpu = Renderer::new(device, volume)
-        .unwrap()
-        .render(&plan, no_progress)
+        .render(&plan, &Control::NONE)
         .unwrap();
     Some((cpu.image, gpu.image))
 }
@@ -124,11 +123,10 @@ fn the_golden_scenes_look_the_same() {
     for (name, text) in SCENES_WITH_GOLDENS {
         let (volume, plan) = prepare(name, text).unwrap();
         let cpu = strahl_cpu::Renderer::new(&volume)
-            .render(&plan, &Default::default(), &strahl_cpu::no_progress)
+            .render(&plan, &Default::default(), &Control::NONE)
             .unwrap();
         let gpu = Renderer::new(device, &volume)
-            .unwrap()
-            .render(&plan, no_progress)
+            .render(&plan, &Control::NONE)
             .unwrap();
         looks_the_same(name, &cpu.image, &gpu.image);
     }
@@ -187,13 +185,13 @@ fn every_variant_looks_the_same() {
 fn both_draw(what: &str, data: &Datasets, plan: &Plan, most: Option<u32>) {
     let Some(device) = device() else { return };
     let cpu = strahl_cpu::Renderer::new(data.clone())
-        .render(plan, &Default::default(), &strahl_cpu::no_progress)
+        .render(plan, &Default::default(), &Control::NONE)
         .unwrap();
-    let gpu = match most {
+    let mut gpu = match most {
         Some(most) => Renderer::with_largest_texture(device, data.clone(), most),
         None => Renderer::new(device, data.clone()),
     };
-    let gpu = gpu.unwrap().render(plan, no_progress).unwrap();
+    let gpu = gpu.render(plan, &Control::NONE).unwrap();
     looks_the_same(what, &cpu.image, &gpu.image);
     if let (Some(cpu), Some(gpu)) = (cpu.depth_mm, gpu.depth_mm) {
         let off = |(a, b): (&f32, &f32)| (a - b).abs() > 0.02 && a.is_finite() == b.is_finite();
@@ -221,9 +219,9 @@ fn several_volumes_meshes_and_masks_look_the_same() {
     );
     let mesh = wall(1.0);
     let data = Datasets {
-        volumes: vec![&a, &b],
-        masks: vec![&mask],
-        meshes: vec![&mesh],
+        volumes: vec![a.clone(), b.clone()],
+        masks: vec![mask.clone()],
+        meshes: vec![mesh.clone()],
     };
     let mut plan = two(&a, &b);
     (plan.width, plan.height) = (120, 100);
@@ -312,7 +310,7 @@ fn a_volume_beyond_the_largest_texture_looks_the_same() {
     }
     let Some(device) = device() else { return };
     // More pages than a texture of 32 voxels has room for: one.
-    let refused = Renderer::with_largest_texture(device, &blob, 32);
+    let refused = Renderer::with_largest_texture(device, &blob, 32).render(&plan, &Control::NONE);
     let message = refused.map(|_| ()).unwrap_err().to_string();
     assert!(
         message.contains("[150, 40, 70]") && message.contains("draw on the processor"),
@@ -368,15 +366,13 @@ fn random_plans_look_the_same() {
         let cpu = match strahl_cpu::Renderer::new(&volume).render(
             &plan,
             &Default::default(),
-            &strahl_cpu::no_progress,
+            &Control::NONE,
         ) {
             Ok(drawn) => drawn.image,
             Err(strahl_cpu::Error::Coefficients(_)) => continue,
             Err(error) => panic!("{error}"),
         };
-        let gpu = Renderer::new(device, &volume)
-            .unwrap()
-            .render(&plan, no_progress);
+        let gpu = Renderer::new(device, &volume).render(&plan, &Control::NONE);
         let d = agreement(&cpu, &gpu.unwrap().image);
         drawn += 1;
         // Transfer functions one entry wide, edges of boxes and nearest voxels: single samples flip.
@@ -406,7 +402,7 @@ fn random_plans_look_the_same() {
 fn a_pipeline_is_made_in_the_background_and_found_again() {
     let Some(device) = device() else { return };
     let (a, _) = pair();
-    let mut renderer = Renderer::new(device, &a).unwrap();
+    let mut renderer = Renderer::new(device, &a);
     let mut plan = crate::simple::plan(&a, parallel(DVec3::Y, 60.0, 14.0), ramp());
     assert!(!renderer.is_ready(&plan).unwrap());
     let start = std::time::Instant::now();
@@ -427,6 +423,6 @@ fn a_pipeline_is_made_in_the_background_and_found_again() {
     ));
     plan.technique_mut().composite = Composite::Mip;
     assert!(!renderer.is_ready(&plan).unwrap());
-    assert!(renderer.render(&plan, no_progress).is_ok());
+    assert!(renderer.render(&plan, &Control::NONE).is_ok());
     assert!(renderer.is_ready(&plan).unwrap());
 }

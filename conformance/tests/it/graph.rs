@@ -5,22 +5,21 @@ use crate::random::{Random, seeds};
 use crate::simple::cut_box;
 use crate::variants::{any_variant, change_all, pair, ramp, two, wall};
 use glam::{DAffine3, DVec3};
-use std::ops::ControlFlow::Continue;
 use strahl_conformance::agreement::agreement;
 use strahl_conformance::gallery::{GALLERY, scene};
 use strahl_evaluate::Evaluator;
-use strahl_gpu::{Renderer, no_progress};
+use strahl_gpu::Renderer;
 use strahl_graph::{Compiler, Graph, standard};
 use strahl_scene::plan::{
     Composite, Field, Illuminate, Plan, PlanMesh, SampleClip, Shade, Technique,
 };
 use strahl_scene::{Image, Scene, resolve};
 use strahl_volume::phantom::Phantom;
-use strahl_volume::{Datasets, Samples};
+use strahl_volume::{Control, Datasets, Samples};
 
 /// Draws `graph` on the graphics processor.
-fn on_gpu(data: impl Into<Datasets<'static>>, plan: &Plan, graph: &Graph) -> Option<Image> {
-    let mut renderer = Renderer::new(device()?, data).unwrap();
+fn on_gpu(data: impl Into<Datasets>, plan: &Plan, graph: &Graph) -> Option<Image> {
+    let mut renderer = Renderer::new(device()?, data);
     let functions = renderer.functions(plan).unwrap();
     let what = renderer.loop_of(plan).unwrap();
     let compiled = Compiler::default()
@@ -31,7 +30,7 @@ fn on_gpu(data: impl Into<Datasets<'static>>, plan: &Plan, graph: &Graph) -> Opt
         &compiled.program,
         &compiled.parameters,
         &[],
-        no_progress,
+        &Control::NONE,
     );
     Some(drawn.unwrap().image)
 }
@@ -55,8 +54,7 @@ fn the_standard_graph_is_the_picture_of_the_settings() {
         }
         let graph = standard(&plan).unwrap();
         let settings = Renderer::new(device, volume)
-            .unwrap()
-            .render(&plan, no_progress)
+            .render(&plan, &Control::NONE)
             .unwrap()
             .image;
         let by_graph = on_gpu(volume, &plan, &graph).unwrap();
@@ -69,9 +67,9 @@ fn the_standard_graph_is_the_picture_of_the_settings() {
 }
 
 /// Draws `plan` by its program and by its standard graph, both evaluated.
-fn twice<'d>(data: &Datasets<'d>, plan: &Plan) -> [Image; 2] {
+fn twice(data: &Datasets, plan: &Plan) -> [Image; 2] {
     let mut evaluator = Evaluator::new(data.clone());
-    let settings = evaluator.render(plan, |_, _| Continue(())).unwrap().image;
+    let settings = evaluator.render(plan, &Control::NONE).unwrap().image;
     let (what, functions) = (
         evaluator.loop_of(plan).unwrap(),
         evaluator.functions(plan).unwrap(),
@@ -81,7 +79,7 @@ fn twice<'d>(data: &Datasets<'d>, plan: &Plan) -> [Image; 2] {
         .compile("test", &graph, &what, &functions)
         .unwrap_or_else(|error| panic!("{error}"));
     let (program, parameters) = (&compiled.program, &compiled.parameters);
-    let drawn = evaluator.render_by(plan, program, parameters, &[], |_, _| Continue(()));
+    let drawn = evaluator.render_by(plan, program, parameters, &[], &Control::NONE);
     [settings, drawn.unwrap().image]
 }
 
@@ -127,9 +125,9 @@ fn several_objects_are_their_standard_graph() {
     let (a, b) = pair();
     let mesh = wall(1.0);
     let data = Datasets {
-        volumes: vec![&a, &b],
+        volumes: vec![a.clone(), b.clone()],
         masks: Vec::new(),
-        meshes: vec![&mesh],
+        meshes: vec![mesh.clone()],
     };
     let mut plan = two(&a, &b);
     (plan.width, plan.height) = (61, 50);

@@ -4,17 +4,17 @@ use crate::random::{Random, seeds};
 use crate::simple;
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use std::path::PathBuf;
-use strahl_cpu::{InstructionSet, Options, Renderer, Stats, no_progress};
+use strahl_cpu::{InstructionSet, Options, Renderer, Stats};
 use strahl_scene::plan::{
     ALL_LAYERS, Classify, ClipShape, Composite, Plan, SampleClip, Sampling, Shade,
 };
 use strahl_scene::{Method, Scene, Shading, ShadingModel, resolve};
 use strahl_volume::read::{MemoryFiles, ReadOptions, read_file};
-use strahl_volume::{Datasets, Metadata, Rescale, Samples, Volume};
+use strahl_volume::{Control, Datasets, Metadata, Rescale, Samples, Volume};
 
 /// The pixels as bits, so that NaN equals itself and 0 is not −0.
 fn draw(renderer: &Renderer, plan: &Plan, options: &Options) -> (Vec<[u32; 4]>, Stats) {
-    let rendered = renderer.render(plan, options, &no_progress).unwrap();
+    let rendered = renderer.render(plan, options, &Control::NONE).unwrap();
     let bits = |pixel: &[f32; 4]| pixel.map(f32::to_bits);
     (
         rendered.image.pixels().iter().map(bits).collect(),
@@ -50,12 +50,7 @@ fn without_own_loop(plan: &Plan) -> Plan {
 }
 
 /// Draws once plainly, then in other ways; returns the share of lattice points that were skipped.
-fn check<'v>(
-    what: &str,
-    data: impl Into<Datasets<'v>>,
-    plan: &Plan,
-    ways: &[(usize, u32, bool)],
-) -> f64 {
+fn check(what: &str, data: impl Into<Datasets>, plan: &Plan, ways: &[(usize, u32, bool)]) -> f64 {
     let renderer = Renderer::new(data);
     let (expected, plain) = draw(&renderer, &without_own_loop(plan), &plainly());
     let mut skipped = 0.0;
@@ -220,7 +215,7 @@ fn with_clips_of_every_shape() {
             plan.sample_clips.push(clip);
         }
         let data = Datasets {
-            masks: vec![&mask],
+            masks: vec![mask.clone()],
             ..Datasets::from(&volume)
         };
         let skipped = check(&format!("seed {seed}"), data, &plan, &ways);

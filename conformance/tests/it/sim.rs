@@ -1,13 +1,13 @@
 //! The modelled processor against the CPU renderer's picture in floating point: two programs that share no arithmetic.
 
 use glam::DVec3;
-use strahl_cpu::{Options, Renderer, no_progress};
+use strahl_cpu::{Options, Renderer};
 use strahl_scene::plan::{Plan, Projection};
 use strahl_scene::{Scene, resolve};
 use strahl_sim::spec::{Optimisation, Shading, Widths};
 use strahl_sim::study::psnr_db;
 use strahl_sim::{Frame, Nobody, Spec, VolumeStore, run};
-use strahl_volume::{Phantom, Volume};
+use strahl_volume::{Control, Phantom, Volume};
 
 const EDGE: usize = 48;
 /// Rays twice as dense as voxels, so that x and z are interpolated.
@@ -60,7 +60,7 @@ fn simulated(volume: &Volume, widths: Widths) -> Vec<f32> {
 fn words_of_the_document_cost_what_their_bits_say() {
     let volume = Phantom::Shells.volume([EDGE; 3]).unwrap();
     let drawn = Renderer::new(&volume)
-        .render(&plan(&volume), &Options::default(), &no_progress)
+        .render(&plan(&volume), &Options::default(), &Control::NONE)
         .unwrap();
     // The outermost pixels lie before the centres of the first voxels: the renderer clamps there, the processor sends no ray.
     let inner = |i: usize| {

@@ -9,11 +9,11 @@ use crate::random::{Random, seeds};
 use crate::simple::{centred, cut_box, of_samples, one_sample_at, parallel, plan, plane};
 use crate::variants::wall;
 use glam::{DAffine3, DMat3, DVec3};
-use strahl_gpu::{Renderer, no_progress};
+use strahl_gpu::Renderer;
 use strahl_scene::plan::*;
 use strahl_scene::transfer::TransferTable;
 use strahl_shader::library;
-use strahl_volume::{Datasets, Mesh, Samples, Volume};
+use strahl_volume::{Control, Datasets, Mesh, Samples, Volume};
 
 /// A function, how far a channel may be off, and the share of the calls whose decision may fall the
 /// other way.
@@ -438,21 +438,21 @@ fn twins_give_the_same_from_the_same_numbers() {
             let mut random = Random::new(seed ^ 0x7315);
             let case = case(twin.name, &mut random);
             let data = Datasets {
-                volumes: vec![&case.volume],
-                masks: case.masks.iter().collect(),
-                meshes: case.meshes.iter().collect(),
+                volumes: vec![case.volume.clone()],
+                masks: case.masks.clone(),
+                meshes: case.meshes.clone(),
             };
             let cpu = strahl_cpu::Renderer::new(data.clone())
-                .render(&case.plan, &Default::default(), &strahl_cpu::no_progress)
+                .render(&case.plan, &Default::default(), &Control::NONE)
                 .unwrap();
-            let mut renderer = Renderer::new(device, data).unwrap();
+            let mut renderer = Renderer::new(device, data);
             let program = renderer.program(&case.plan).unwrap();
             let heading = format!(": {function} (library/{slot}/{function}.wgsl) ----");
             if !program.wgsl().contains(&heading) {
                 wrong.push(format!("{}: not called", twin.name));
                 continue;
             }
-            let gpu = renderer.render(&case.plan, no_progress).unwrap();
+            let gpu = renderer.render(&case.plan, &Control::NONE).unwrap();
             for (a, b) in cpu.image.pixels().iter().zip(gpu.image.pixels()) {
                 let d = a.iter().zip(b).map(|(a, b)| (a - b).abs());
                 let d = d.fold(

@@ -7,10 +7,10 @@ use crate::simple::{
     value_shown, volume, white,
 };
 use glam::{DAffine3, DMat3, DVec3};
-use strahl_cpu::{Options, Rendered, Renderer, no_progress};
+use strahl_cpu::{Options, Rendered, Renderer};
 use strahl_scene::plan::*;
 use strahl_scene::transfer::TransferTable;
-use strahl_volume::{Datasets, Grid, Mesh, Samples, Volume};
+use strahl_volume::{Control, Datasets, Grid, Mesh, Samples, Volume};
 
 const GRADIENTS: [GradientMethod; 6] = [
     GradientMethod::Forward,
@@ -21,13 +21,13 @@ const GRADIENTS: [GradientMethod; 6] = [
     GradientMethod::BSpline,
 ];
 
-fn draw<'v>(data: impl Into<Datasets<'v>>, plan: &Plan) -> Rendered {
+fn draw(data: impl Into<Datasets>, plan: &Plan) -> Rendered {
     draw_with(data, plan, &Options::default())
 }
 
-fn draw_with<'v>(data: impl Into<Datasets<'v>>, plan: &Plan, options: &Options) -> Rendered {
+fn draw_with(data: impl Into<Datasets>, plan: &Plan, options: &Options) -> Rendered {
     Renderer::new(data)
-        .render(plan, options, &no_progress)
+        .render(plan, options, &Control::NONE)
         .unwrap_or_else(|error| panic!("{error}"))
 }
 
@@ -184,9 +184,9 @@ fn overlapping_volumes_do_not_care_for_their_order() {
     swapped.layers.reverse();
     swapped.fields[0].volume = 1;
     swapped.fields[1].volume = 0;
-    let one = draw(data(vec![&a, &b]), &plan);
+    let one = draw(data(vec![a.clone(), b.clone()]), &plan);
     assert!(one.stats.samples_visible > 1000);
-    let off = distance(&one, &draw(data(vec![&b, &a]), &swapped));
+    let off = distance(&one, &draw(data(vec![b.clone(), a.clone()]), &swapped));
     assert!(off < 1e-6, "{off}");
     // And without skipping, with threads, from behind.
     let plainly = Options {
@@ -194,13 +194,13 @@ fn overlapping_volumes_do_not_care_for_their_order() {
         skip: false,
         ..Options::default()
     };
-    let all = draw_with(data(vec![&a, &b]), &plan, &plainly);
+    let all = draw_with(data(vec![a.clone(), b.clone()]), &plan, &plainly);
     assert_eq!(one.image.pixels(), all.image.pixels());
     let mut backwards = plan;
     change_all(&mut backwards, |technique| {
         technique.composite = Composite::BackToFront
     });
-    let off = distance(&one, &draw(data(vec![&a, &b]), &backwards));
+    let off = distance(&one, &draw(data(vec![a.clone(), b.clone()]), &backwards));
     assert!(off < 1e-5, "{off}");
 }
 
@@ -209,7 +209,7 @@ fn an_invisible_volume_changes_nothing_and_a_volume_twice_is_twice_as_dense() {
     let (a, b) = pair();
     let mut plan = two(&a, &b);
     let data = Datasets {
-        volumes: vec![&a, &b],
+        volumes: vec![a.clone(), b.clone()],
         ..Datasets::default()
     };
     // The lattice begins where the first object does: an own one inside the other moves nothing.
@@ -251,7 +251,7 @@ fn a_moved_volume_looks_as_from_a_moved_camera() {
     assert!(off < 1e-4, "{off}");
     // Without a word that it is moved it is another volume's Plan.
     moved.field_mut().is_moved = false;
-    let refused = Renderer::new(&a).render(&moved, &Options::default(), &no_progress);
+    let refused = Renderer::new(&a).render(&moved, &Options::default(), &Control::NONE);
     assert!(matches!(refused, Err(strahl_cpu::Error::OtherGrid { .. })));
 }
 
@@ -270,9 +270,9 @@ fn a_mesh_hides_what_is_behind_it_and_no_more() {
     for y_mm in [-30.0, -9.99, -4.3, 0.0, 7.7, 12.0] {
         let mesh = wall(y_mm);
         let data = Datasets {
-            volumes: vec![&fog],
+            volumes: vec![fog.clone()],
             masks: vec![],
-            meshes: vec![&mesh],
+            meshes: vec![mesh.clone()],
         };
         let mut plan = plan(&fog, parallel(DVec3::Y, 60.0, 8.0), white(opacity, 1.0));
         plan.lattice.step_mm = 0.01;
@@ -331,8 +331,8 @@ fn a_mask_of_a_half_space_cuts_as_a_box() {
         Samples::U8((0..8000).map(|i| u8::from(i % 20 >= 10)).collect()),
     );
     let data = Datasets {
-        volumes: vec![&fog],
-        masks: vec![&mask],
+        volumes: vec![fog.clone()],
+        masks: vec![mask.clone()],
         meshes: vec![],
     };
     for keep_inside in [true, false] {
@@ -371,7 +371,7 @@ fn clips_cut_the_objects_that_they_name() {
     let (a, b) = pair();
     let mut plan = two(&a, &b);
     let data = Datasets {
-        volumes: vec![&a, &b],
+        volumes: vec![a.clone(), b.clone()],
         ..Datasets::default()
     };
     let mut alone = plan.clone();
@@ -614,7 +614,7 @@ fn skipping_changes_no_byte_of_any_variant() {
                 skip,
                 ..Options::default()
             };
-            let drawn = match renderer.render(&plan, &options, &no_progress) {
+            let drawn = match renderer.render(&plan, &options, &Control::NONE) {
                 Ok(drawn) => drawn,
                 // Coefficients of what is not finite.
                 Err(strahl_cpu::Error::Coefficients(_)) => return None,

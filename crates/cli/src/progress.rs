@@ -2,11 +2,12 @@
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
+use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU32, Ordering};
-use std::sync::{Arc, Mutex, OnceLock};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
-use strahl::Stage;
+use strahl::{Control, Work};
 
 /// What takes less is not worth a word.
 const PATIENCE: Duration = Duration::from_millis(500);
@@ -17,6 +18,7 @@ const UNKNOWN: u32 = u32::MAX;
 
 /// The progress of one long piece of work, from its making to its drop. Can be told from many
 /// threads.
+#[derive(Clone)]
 pub struct Progress(Option<Arc<State>>);
 
 struct State {
@@ -125,34 +127,65 @@ impl Drop for Progress {
     }
 }
 
-/// The progress of a picture, one bar per stage.
+/// The progress of a picture, one bar for each kind of work, from its making to its drop.
 pub struct Stages {
-    reading: Progress,
-    drawing: OnceLock<Progress>,
-    quiet: bool,
+    now: Arc<Mutex<Now>>,
+    control: Control,
+}
+
+struct Now {
+    work: Work,
+    progress: Progress,
 }
 
 impl Stages {
     /// Starts the clock.
     pub fn new(quiet: bool) -> Stages {
-        Stages {
-            reading: Progress::new("reading", quiet),
-            drawing: OnceLock::new(),
-            quiet,
-        }
+        let now = Arc::new(Mutex::new(Now::new(Work::Reading, quiet)));
+        let told = now.clone();
+        let control = Control::listening(move |work, share| {
+            let mut now = told.lock().unwrap_or_else(PoisonError::into_inner);
+            if now.work != work {
+                *now = Now::new(work, quiet);
+            }
+            now.progress.update(share);
+            ControlFlow::Continue(())
+        });
+        Stages { now, control }
     }
 
-    /// Says that `part` (0 to 1) of a stage is done.
-    pub fn update(&self, stage: Stage, part: f64) {
-        match stage {
-            Stage::Reading => self.reading.update(part),
-            Stage::Drawing => {
-                let drawing = self.drawing.get_or_init(|| {
-                    self.reading.clear();
-                    Progress::new("drawing", self.quiet)
-                });
-                drawing.update(part);
-            }
+    /// What tells it how far the work is.
+    pub fn control(&self) -> &Control {
+        &self.control
+    }
+}
+
+impl Drop for Stages {
+    fn drop(&mut self) {
+        let now = self.now.lock().unwrap_or_else(PoisonError::into_inner);
+        now.progress.clear();
+    }
+}
+
+impl Now {
+    fn new(work: Work, quiet: bool) -> Now {
+        let what = match work {
+            Work::Reading => "reading",
+            Work::Preparing => "preparing",
+            Work::Drawing => "drawing",
+        };
+        Now {
+            work,
+            progress: Progress::new(what, quiet),
         }
     }
+}
+
+/// Control of one kind of work that `progress` shows.
+pub fn shown_by(progress: &Progress) -> Control {
+    let progress = progress.clone();
+    Control::listening(move |_, share| {
+        progress.update(share);
+        ControlFlow::Continue(())
+    })
 }

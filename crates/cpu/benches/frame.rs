@@ -6,12 +6,12 @@
 use criterion::{Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
 use std::path::PathBuf;
-use strahl_cpu::{Options, Renderer, no_progress};
+use strahl_cpu::{Options, Renderer};
 use strahl_scene::{Camera, Method, Scene, resolve};
 use strahl_scene::{Color, Shading, ShadingModel, TransferFunction, TransferPoint, View};
-use strahl_volume::Volume;
 use strahl_volume::phantom::Phantom;
 use strahl_volume::read::{MemoryFiles, ReadOptions, read_file};
+use strahl_volume::{Control, Volume};
 
 /// The transfer function of the bonsai: value, opacity per voxel edge, colour.
 const BONSAI: [(f64, f64, [f64; 3]); 6] = [
@@ -94,7 +94,7 @@ fn frames(criterion: &mut Criterion, name: &str, volume: &Volume, scene: &Scene)
             };
             let what = format!("{what}{}", if skip { "" } else { ", every sample" });
             group.bench_function(what, |bench| {
-                bench.iter(|| black_box(renderer.render(&plan, &options, &no_progress).unwrap()));
+                bench.iter(|| black_box(renderer.render(&plan, &options, &Control::NONE).unwrap()));
             });
         }
     }

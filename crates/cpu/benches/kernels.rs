@@ -8,9 +8,10 @@ use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_mai
 use std::hint::black_box;
 use std::time::Duration;
 use strahl_cpu::kernels::{Kernel, Packet, instructions, run};
-use strahl_cpu::{Options, Renderer, no_progress};
+use strahl_cpu::{Options, Renderer};
 use strahl_scene::plan::Plan;
 use strahl_scene::{Scene, resolve};
+use strahl_volume::Control;
 use strahl_volume::bends::bends;
 use strahl_volume::bricks::Bricks;
 use strahl_volume::{Grid, Metadata, Phantom, Rescale, SampleType, Samples, Volume};
@@ -165,7 +166,7 @@ fn skipping(criterion: &mut Criterion) {
                     r#""transfer_function": {{ "points": {points} }}, "size": [1, 1]"#
                 ))
             },
-            |plan| renderer.render(&plan, &Options::default(), &no_progress),
+            |plan| renderer.render(&plan, &Options::default(), &Control::NONE),
             BatchSize::PerIteration,
         );
     });
@@ -181,7 +182,7 @@ fn skipping(criterion: &mut Criterion) {
                     }} }}], "size": [1, 1]"#
                 ))
             },
-            |plan| renderer.render(&plan, &Options::default(), &no_progress),
+            |plan| renderer.render(&plan, &Options::default(), &Control::NONE),
             BatchSize::PerIteration,
         );
     });
@@ -193,7 +194,7 @@ fn skipping(criterion: &mut Criterion) {
         r#""size": [512, 512], "method": "first-hit", "threshold": 0.9999, "shading": { "model": "unlit" }"#,
     );
     group.bench_function("jumps of 512² rays through 256³", |bench| {
-        bench.iter(|| renderer.render(&plan, &Options::default(), &no_progress));
+        bench.iter(|| renderer.render(&plan, &Options::default(), &Control::NONE));
     });
     group.finish();
 }

@@ -18,8 +18,9 @@ use serde_json::{Value, json};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-use strahl_cpu::{InstructionSet, Options, Rendered, Renderer, no_progress};
+use strahl_cpu::{InstructionSet, Options, Rendered, Renderer};
 use strahl_scene::{Scene, resolve};
+use strahl_volume::Control;
 use strahl_volume::Volume;
 use strahl_volume::read::{MemoryFiles, ReadOptions, read_file};
 
@@ -118,14 +119,14 @@ fn time(arguments: &Arguments, spec: &Value, case: &Value, volume: &Volume, mode
         let plan = resolve(scene, &header, None).expect("a plan");
         let drawn = if in_stages {
             let mut times = Vec::new();
-            let drawn = renderer.refine(&plan, &options, &no_progress, &mut |_, _| {
+            let drawn = renderer.refine(&plan, &options, &Control::NONE, &mut |_, _| {
                 times.push(start.elapsed().as_secs_f64());
                 ControlFlow::Continue(())
             });
             stages.push(times);
             drawn
         } else {
-            renderer.render(&plan, &options, &no_progress)
+            renderer.render(&plan, &options, &Control::NONE)
         };
         drawn.expect("a picture")
     };
@@ -134,6 +135,7 @@ fn time(arguments: &Arguments, spec: &Value, case: &Value, volume: &Volume, mode
     let renderer = Renderer::new(volume);
     let mut drawn = draw(&renderer, &first_scene);
     let first = start.elapsed().as_secs_f64();
+    let bricks = drawn.stats.bricks_seconds;
     let (mut seconds, mut prepare) = (Vec::new(), Vec::new());
     for frame in 1..=frames {
         let scene = scene(frame);
@@ -162,7 +164,7 @@ fn time(arguments: &Arguments, spec: &Value, case: &Value, volume: &Volume, mode
         "min_s": seconds.iter().copied().fold(f64::INFINITY, f64::min),
         "seconds": seconds,
         "prepare_s": median(&prepare),
-        "bricks_s": drawn.stats.bricks_seconds,
+        "bricks_s": bricks,
         "samples": drawn.stats.samples,
         "visible": drawn.stats.samples_visible,
         "points": drawn.stats.lattice_points,

@@ -8,7 +8,7 @@
 //! only what was there then.
 
 use std::time::Instant;
-use strahl_cpu::{Options, Renderer, no_progress};
+use strahl_cpu::{Options, Renderer};
 use strahl_scene::{Headers, Scene, resolve_with};
 use strahl_volume::{Datasets, Label, LabelIds, Metadata, Phantom, Rescale, Samples, Volume};
 
@@ -38,9 +38,9 @@ fn main() {
         }
         let mut data = Datasets::from(if is_of_tree { &tree } else { &anatomy });
         match name {
-            "two-volumes" => data.volumes.push(&shells),
-            "mask" | "mask-of-little" => data.masks.push(&shells),
-            "labels" => data.masks.push(&of_labels),
+            "two-volumes" => data.volumes.push((&shells).into()),
+            "mask" | "mask-of-little" => data.masks.push((&shells).into()),
+            "labels" => data.masks.push((&of_labels).into()),
             _ => {}
         }
         let draw = drawing(&data, change, number("size", 256));
@@ -91,7 +91,7 @@ fn mask_of_labels(dims: [usize; 3], names: &[&str]) -> Volume {
 fn drawing(data: &Datasets, change: &str, size: usize) -> impl Fn() -> u64 {
     let text = format!(r#"{{ "size": [{size}, {size}], {change} }}"#);
     let scene = Scene::parse("scene", &text).expect("a scene");
-    let first: &Volume = data.volumes[0];
+    let first: &Volume = &data.volumes[0];
     let headers = Headers {
         volumes: data.volumes.iter().map(|volume| volume.header()).collect(),
         masks: data.masks.iter().map(|mask| *mask.grid()).collect(),
@@ -100,7 +100,7 @@ fn drawing(data: &Datasets, change: &str, size: usize) -> impl Fn() -> u64 {
     let plan = resolve_with(&scene, &headers).expect("a plan");
     let renderer = Renderer::new(data.clone());
     move || {
-        let drawn = renderer.render(&plan, &Options::default(), &no_progress);
+        let drawn = renderer.render(&plan, &Options::default(), &strahl_volume::Control::NONE);
         drawn.expect("a picture").stats.samples
     }
 }

@@ -1,44 +1,50 @@
 //! Bricks that clips leave nothing of.
 
 use crate::brick_number::EDGE;
-use crate::kept::Kept;
-use std::sync::{Arc, OnceLock};
-use strahl_scene::plan::{Composite, Plan, SampleClip, Sampling};
+use crate::making::Making;
+use std::sync::Arc;
+use strahl_scene::plan::{ClipShape, Composite, Plan, SampleClip, Sampling};
 use strahl_scene::visibility::dropped;
-use strahl_volume::bricks::Bricks;
-use strahl_volume::{Grid, Volume};
+use strahl_volume::bricks::{Bricks, BricksOf};
+use strahl_volume::{Cancelled, ContentId, Grid, Key, Volume};
 
 /// Of each brick whether every sample inside is dropped.
 #[derive(Clone)]
-pub struct Clipped(Arc<Option<Vec<bool>>>);
-
-/// Only what was found once, for the same question, is the same.
-impl PartialEq for Clipped {
-    fn eq(&self, other: &Clipped) -> bool {
-        Arc::ptr_eq(&self.0, &other.0)
-    }
+pub struct Clipped {
+    pub of: ClippedOf,
+    bricks: Arc<Option<Vec<bool>>>,
 }
 
-/// What was found for the Plans drawn last.
-pub type RecentClipped = Kept<Asked, Option<Vec<bool>>>;
-
 /// All that it depends on.
-#[derive(PartialEq)]
-pub struct Asked {
+#[derive(Clone, PartialEq)]
+pub struct ClippedOf {
     grid: Grid,
     clips: Vec<SampleClip>,
+    /// Of each clip, if it is one.
+    masks: Vec<Option<ContentId>>,
+}
+
+impl Key for ClippedOf {
+    /// `None` if nothing is dropped.
+    type Value = Option<Vec<bool>>;
+
+    const NAME: &str = "clipped bricks";
+
+    fn bytes(&self, value: &Option<Vec<bool>>) -> usize {
+        self.clips.len() * size_of::<SampleClip>() + value.as_ref().map_or(0, Vec::len)
+    }
 }
 
 impl Clipped {
     /// Those of object number `object`, of bricks like those of its volume; `None` if nothing is dropped, or what lies
-    /// between the samples of dropped bricks may be seen all the same.
+    /// between the samples of dropped bricks may be seen all the same. The Plan's masks are among `masks`.
     pub fn new(
-        recent: &RecentClipped,
-        masks: &Masks,
+        making: &Making,
+        masks: &[Volume],
         bricks: &Bricks,
         plan: &Plan,
         object: usize,
-    ) -> Option<Clipped> {
+    ) -> Result<Option<Clipped>, Cancelled> {
         let is_projection = matches!(
             plan.technique().composite,
             Composite::Mip | Composite::MinIp
@@ -52,36 +58,33 @@ impl Clipped {
         let of_object = plan.sample_clips.iter().filter(|clip| clip.cuts(object));
         let clips: Vec<SampleClip> = of_object.copied().collect();
         if clips.is_empty() || !is_of_points {
-            return None;
+            return Ok(None);
         }
-        let asked = Asked {
+        let mask = |clip: &SampleClip| match clip.shape {
+            ClipShape::Mask { mask, .. } => Some(masks[mask].id()),
+            _ => None,
+        };
+        let of = ClippedOf {
             grid: plan.field_of(object).grid,
+            masks: clips.iter().map(mask).collect(),
             clips,
         };
-        let found = recent.find(asked, 2 * plan.layers.len(), |_| {
-            let mask = |mask| masks.get(mask);
-            Some(dropped(plan, object, bricks.dims(), bricks.edge(), mask))
+        let found = making.find(&of, || {
+            let mut of_masks = Vec::new();
+            for mask in masks {
+                let make = || Bricks::under(mask, EDGE, 0, making.control);
+                of_masks.push(making.find(&BricksOf::new(mask, EDGE, 0), make)?);
+            }
+            let mask = |mask: usize| (&masks[mask], &*of_masks[mask]);
+            let (dims, edge) = (bricks.dims(), bricks.edge());
+            dropped(plan, object, dims, edge, mask, making.control)
         })?;
-        found.is_some().then_some(Clipped(found))
+        let is_any = found.is_some();
+        Ok(is_any.then_some(Clipped { of, bricks: found }))
     }
 
     /// Of each brick, x fastest.
     pub fn bricks(&self) -> &[bool] {
-        self.0.as_deref().unwrap_or_default()
-    }
-}
-
-/// Masks with their bricks, which are made when a Plan first asks for them.
-pub struct Masks<'v>(Vec<(&'v Volume, OnceLock<Bricks>)>);
-
-impl<'v> Masks<'v> {
-    pub fn new(masks: &[&'v Volume]) -> Masks<'v> {
-        Masks(masks.iter().map(|mask| (*mask, OnceLock::new())).collect())
-    }
-
-    fn get(&self, mask: usize) -> (&Volume, &Bricks) {
-        let (volume, bricks) = &self.0[mask];
-        let bricks = bricks.get_or_init(|| Bricks::with_edge(volume, EDGE));
-        (volume, bricks)
+        self.bricks.as_deref().unwrap_or_default()
     }
 }

@@ -1,10 +1,12 @@
 //! The one error of this crate.
 
+use strahl_volume::Cancelled;
+
 /// Why there is no picture.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// The caller's progress function asked for it.
+    /// Whoever asked for the picture ended it by its [`Control`](strahl_volume::Control).
     #[error("cancelled")]
     Cancelled,
     /// The Plan was resolved for another volume.
@@ -41,7 +43,7 @@ pub enum Error {
     },
     /// The coefficients of an interpolating B-spline cannot be made.
     #[error(transparent)]
-    Coefficients(#[from] strahl_volume::Error),
+    Coefficients(strahl_volume::Error),
     /// The step is too short for the length of the rays.
     #[error(
         "a step of {step_mm} mm gives up to {points:.0} samples on a ray; at most {most} are possible, take a step of at least {least_mm} mm"
@@ -75,4 +77,19 @@ pub enum Error {
         /// What was said.
         why: String,
     },
+}
+
+impl From<Cancelled> for Error {
+    fn from(_: Cancelled) -> Error {
+        Error::Cancelled
+    }
+}
+
+impl From<strahl_volume::Error> for Error {
+    fn from(error: strahl_volume::Error) -> Error {
+        match error.is_cancelled() {
+            true => Error::Cancelled,
+            false => Error::Coefficients(error),
+        }
+    }
 }

@@ -5,9 +5,11 @@ use crate::lanes::{F32s, I32s, Vec3s, each};
 use crate::levels::Level;
 use crate::library::fetch::Shape;
 use crate::line::{Line, points_to_face};
-use crate::of_bricks::{OfBricks, RecentOfBricks};
+use crate::making::Making;
+use crate::of_bricks::OfBricks;
 use strahl_scene::plan::{Plan, Sampling};
-use strahl_scene::visibility::even_cubes;
+use strahl_scene::visibility::{ContributionOf, even_cubes};
+use strahl_volume::Cancelled;
 use strahl_volume::bricks::Bricks;
 
 /// The even cubes of a volume under a Plan: what [`even_cubes`] gives.
@@ -16,15 +18,18 @@ pub struct EvenCubes(OfBricks);
 impl EvenCubes {
     /// Those of object number `object`; `None` if every lattice point is to be looked at.
     pub fn new(
-        recent: &RecentOfBricks,
+        making: &Making,
+        contribution: &ContributionOf,
         bricks: &Bricks,
         plan: &Plan,
         object: usize,
-    ) -> Option<EvenCubes> {
+    ) -> Result<Option<EvenCubes>, Cancelled> {
         if !matches!(plan.sampling, Sampling::Adaptive { .. }) {
-            return None;
+            return Ok(None);
         }
-        OfBricks::new(recent, bricks, plan, object, None, even_cubes).map(EvenCubes)
+        let of = (plan, object);
+        let found = OfBricks::new(making, contribution, bricks, of, None, even_cubes)?;
+        Ok(found.map(EvenCubes))
     }
 
     /// How many lattice points, this one at `position` included, lie in the same even cube for certain; 1

@@ -1,7 +1,7 @@
 //! Draws a Plan on the processor.
 //!
-//! [`Renderer::new`] prepares a volume once (min/max bricks), [`Renderer::render`] draws Plans of
-//! it. A picture has the same bytes whatever the number of threads, the size of tiles and the SIMD
+//! [`Renderer::render`] draws Plans of a volume; what it makes of the volume for that (min/max bricks) it
+//! keeps. A picture has the same bytes whatever the number of threads, the size of tiles and the SIMD
 //! width, and with skipping or without.
 //!
 //! Inside, `march` holds the one ray loop, compiled for each instruction set (`levels`); it goes over
@@ -10,14 +10,14 @@
 //! spreads the picture over the cores.
 //!
 //! ```
-//! use strahl_cpu::{Options, Renderer, no_progress};
+//! use strahl_cpu::{Options, Renderer};
 //! use strahl_scene::{Scene, resolve};
-//! use strahl_volume::Phantom;
+//! use strahl_volume::{Control, Phantom};
 //!
 //! let volume = Phantom::Tree.volume([32, 32, 32])?;
 //! let scene = Scene::parse("scene", r#"{ "size": [64, 48] }"#)?;
 //! let plan = resolve(&scene, &volume.header(), None)?;
-//! let drawn = Renderer::new(&volume).render(&plan, &Options::default(), &no_progress)?;
+//! let drawn = Renderer::new(&volume).render(&plan, &Options::default(), &Control::NONE)?;
 //! assert_eq!((drawn.image.width(), drawn.image.height()), (64, 48));
 //! assert!(drawn.stats.samples < drawn.stats.lattice_points);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -31,7 +31,6 @@ mod doubles;
 mod elementary;
 mod error;
 mod even;
-mod kept;
 #[cfg(feature = "bench-kernels")]
 #[doc(hidden)]
 pub mod kernels;
@@ -39,11 +38,13 @@ mod lanes;
 mod levels;
 mod library;
 mod line;
+mod making;
 mod march;
 mod meshes;
 mod of_bricks;
 mod options;
-mod progress;
+mod pools;
+mod prepared;
 mod raster;
 mod ray_packet;
 mod rays;
@@ -59,7 +60,7 @@ mod tiles;
 pub use error::Error;
 pub use levels::InstructionSet;
 pub use options::Options;
-pub use progress::{Progress, no_progress};
+pub use pools::Pools;
 pub use refine::Stage;
 pub use rendered::{Rendered, Stats};
 pub use renderer::Renderer;

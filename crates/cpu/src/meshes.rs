@@ -1,20 +1,39 @@
 //! Opaque surfaces of triangles: where a ray meets them, and what they look like.
 
+use crate::making::Making;
 use glam::{DVec3, Vec3A};
 use obvhs::BvhBuildParams;
 use obvhs::bvh2::{Bvh2, builder::build_bvh2_from_tris};
 use obvhs::ray::{Ray as Search, RayHit};
 use obvhs::triangle::Triangle;
+use std::sync::Arc;
 use std::time::Duration;
 use strahl_scene::plan::{Plan, PlanLight, PlanMesh, Ray};
-use strahl_volume::Mesh;
+use strahl_volume::{Cancelled, ContentId, Key, Mesh};
 
 /// The share of a mesh's colour that is there without light, and the one that follows the light.
 const AMBIENT: f64 = 0.25;
 const DIFFUSE: f64 = 0.75;
 
 /// Meshes ready to be searched.
-pub struct Meshes(Vec<Searchable>);
+pub struct Meshes(Vec<Arc<Searchable>>);
+
+/// Key of the tree over a mesh.
+#[derive(Clone, PartialEq)]
+struct SearchableOf(ContentId);
+
+impl Key for SearchableOf {
+    type Value = Searchable;
+
+    const NAME: &str = "trees of meshes";
+
+    fn bytes(&self, value: &Searchable) -> usize {
+        let triangles = size_of::<Triangle>() + size_of::<[DVec3; 3]>();
+        let normals = value.normals.as_ref().map_or(0, |n| size_of_val(&n[..]));
+        let nodes = size_of_val(&value.tree.nodes[..]);
+        value.triangles.len() * triangles + normals + nodes
+    }
+}
 
 struct Searchable {
     tree: Bvh2,
@@ -36,8 +55,16 @@ struct Hit {
 
 impl Meshes {
     /// Builds a tree of boxes over the triangles of each mesh (the crate obvhs).
-    pub fn new(meshes: &[&Mesh]) -> Meshes {
-        Meshes(meshes.iter().map(|mesh| Searchable::new(mesh)).collect())
+    pub fn new(making: &Making, meshes: &[Mesh]) -> Result<Meshes, Cancelled> {
+        let find = |mesh: &Mesh| {
+            let make = || Ok(Searchable::new(mesh));
+            making.find(&SearchableOf(mesh.id()), make)
+        };
+        meshes
+            .iter()
+            .map(find)
+            .collect::<Result<_, _>>()
+            .map(Meshes)
     }
 
     /// What is behind all volumes on a ray of `plan`: the distance of the nearest surface (infinite
@@ -213,14 +240,13 @@ mod tests {
     }
 
     fn distance(ray: &Ray, world_from_mesh: DAffine3) -> Option<f64> {
-        let square = square();
-        let meshes = Meshes::new(&[&square]);
+        let meshes = [Searchable::new(&square())];
         let placed = PlanMesh {
             mesh: 0,
             world_from_mesh,
             color: [1.0; 3],
         };
-        meshes.0[0].first_hit(ray, &placed).map(|hit| hit.t_mm)
+        meshes[0].first_hit(ray, &placed).map(|hit| hit.t_mm)
     }
 
     #[test]

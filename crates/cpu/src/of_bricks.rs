@@ -1,15 +1,15 @@
 //! What a rule of sampling knows of each brick of a volume.
 
 use crate::brick_number::{EDGE, brick_number};
-use crate::clipped::Clipped;
-use crate::kept::Kept;
+use crate::clipped::{Clipped, ClippedOf};
 use crate::lanes::{I32s, words};
 use crate::levels::Level;
+use crate::making::Making;
 use std::sync::Arc;
-use strahl_scene::plan::{Plan, Reconstruct, Sampling};
-use strahl_scene::transfer::TransferTable;
-use strahl_volume::Rescale;
+use strahl_scene::plan::{Plan, Sampling, Shade};
+use strahl_scene::visibility::ContributionOf;
 use strahl_volume::bricks::Bricks;
+use strahl_volume::{Cancelled, Control, Key};
 
 /// A byte per brick.
 pub struct OfBricks {
@@ -19,62 +19,67 @@ pub struct OfBricks {
     bytes: Arc<Vec<u8>>,
 }
 
-/// What was found for the Plan drawn last: most have only another camera.
-pub type RecentOfBricks = Kept<Asked, Vec<u8>>;
-
 /// All that the bytes depend on.
-#[derive(PartialEq)]
-pub struct Asked {
-    volume: usize,
+#[derive(Clone, PartialEq)]
+pub struct BytesOf {
+    contribution: ContributionOf,
     sampling: Sampling,
     step_mm: f64,
-    reconstruct: Reconstruct,
-    rescale: Rescale,
-    table: TransferTable,
-    clipped: Option<Clipped>,
+    shade: Shade,
+    clipped: Option<ClippedOf>,
 }
 
+impl Key for BytesOf {
+    /// Empty if nothing is known.
+    type Value = Vec<u8>;
+
+    const NAME: &str = "sampling of bricks";
+
+    fn bytes(&self, value: &Vec<u8>) -> usize {
+        self.contribution.table_bytes() + value.len()
+    }
+}
+
+/// What gives a byte per brick of an object, if anything is known of them.
+pub type Find = fn(&Plan, usize, &Bricks, &Control) -> Result<Option<Vec<u8>>, Cancelled>;
+
 impl OfBricks {
-    /// What `find` says of object number `object`, or said of it last, and 0 where bricks are `clipped`; `None` if it
-    /// says nothing.
+    /// What `find` says of object number `object`, and 0 where bricks are `clipped`; `None` if it says nothing.
     pub fn new(
-        recent: &RecentOfBricks,
+        making: &Making,
+        contribution: &ContributionOf,
         bricks: &Bricks,
-        plan: &Plan,
-        layer: usize,
+        (plan, object): (&Plan, usize),
         clipped: Option<&Clipped>,
-        find: impl FnOnce(&Plan, usize, &Bricks) -> Option<Vec<u8>>,
-    ) -> Option<OfBricks> {
+        find: Find,
+    ) -> Result<Option<OfBricks>, Cancelled> {
         assert_eq!(bricks.edge(), EDGE);
         // Words are gathered at 32-bit offsets.
         if bricks.number() > i32::MAX as usize / 8 {
-            return None;
+            return Ok(None);
         }
-        let (field, technique) = (plan.field_of(layer), plan.technique_of(layer));
-        let asked = Asked {
-            volume: field.volume,
+        let key = BytesOf {
+            contribution: contribution.clone(),
             sampling: plan.sampling,
             step_mm: plan.lattice.step_mm,
-            reconstruct: field.reconstruct,
-            rescale: field.rescale,
-            table: technique.table.clone(),
-            clipped: clipped.cloned(),
+            shade: plan.technique_of(object).shade,
+            clipped: clipped.map(|clipped| clipped.of.clone()),
         };
-        let bytes = recent.find(asked, 2 * plan.layers.len(), |_| {
-            let mut bytes = find(plan, layer, bricks)?;
-            for (byte, clipped) in bytes
-                .iter_mut()
-                .zip(clipped.map_or(&[][..], Clipped::bricks))
-            {
+        let bytes = making.find(&key, || {
+            let Some(mut bytes) = find(plan, object, bricks, making.control)? else {
+                return Ok::<_, Cancelled>(Vec::new());
+            };
+            let clipped = clipped.map_or(&[][..], Clipped::bricks);
+            for (byte, clipped) in bytes.iter_mut().zip(clipped) {
                 *byte *= u8::from(!clipped);
             }
             bytes.extend([0; 3]);
-            Some(bytes)
+            Ok(bytes)
         })?;
-        Some(OfBricks {
+        Ok((!bytes.is_empty()).then(|| OfBricks {
             dims: bricks.dims().map(|n| n as i32),
             bytes,
-        })
+        }))
     }
 
     /// That of the brick around each cell.

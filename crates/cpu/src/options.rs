@@ -2,6 +2,7 @@
 
 use crate::error::Error;
 use crate::levels::{InstructionSet, Task, dispatch};
+use rayon::ThreadPool;
 
 /// What does not change a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,8 +30,8 @@ impl Default for Options {
 }
 
 impl Options {
-    /// Runs `task` with these instructions and this number of threads.
-    pub(crate) fn run<T, R>(&self, task: T) -> Result<R, Error>
+    /// Runs `task` with these instructions, in `pool` or else the surrounding one.
+    pub(crate) fn run<T, R>(&self, pool: Option<&ThreadPool>, task: T) -> Result<R, Error>
     where
         T: Task<Output = Result<R, Error>> + Send,
         R: Send,
@@ -44,16 +45,9 @@ impl Options {
                 value: set.to_string(),
             });
         }
-        if self.threads == 0 {
-            return dispatch(set, task);
+        match pool {
+            Some(pool) => pool.install(|| dispatch(set, task)),
+            None => dispatch(set, task),
         }
-        rayon::ThreadPoolBuilder::new()
-            .num_threads(self.threads)
-            .build()
-            .map_err(|why| Error::Threads {
-                threads: self.threads,
-                why: why.to_string(),
-            })?
-            .install(|| dispatch(set, task))
     }
 }

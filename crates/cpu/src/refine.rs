@@ -8,7 +8,7 @@ use crate::error::Error;
 use crate::levels::{Level, Task};
 use crate::march::Counts;
 use crate::options::Options;
-use crate::progress::Progress;
+use crate::prepared::Prepared;
 use crate::raster::Raster;
 use crate::rendered::{Rendered, Stats};
 use crate::renderer::Renderer;
@@ -16,10 +16,10 @@ use crate::scenery::Scenery;
 use crate::tiles;
 use rayon::prelude::*;
 use std::ops::ControlFlow;
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 use strahl_scene::Image;
 use strahl_scene::plan::{Lattice, Plan};
+use strahl_volume::{Control, Parts, Work};
 
 /// How far a picture in stages is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,85 +53,58 @@ const fn raster(first: [u32; 2], stride: [u32; 2]) -> Raster {
 type Show<'s> = &'s mut (dyn FnMut(&Image, Stage) -> ControlFlow<()> + Send);
 
 /// A picture in stages to be drawn with any instruction set.
-struct Refining<'d, 'v> {
-    renderer: &'d Renderer<'v>,
-    plan: &'d Plan,
+struct Refining<'d> {
+    /// For the first stage, which has longer steps, and for the others.
+    plans: [(&'d Plan, Prepared); 2],
     options: &'d Options,
     show: Show<'d>,
-    progress: Progress<'d>,
+    control: &'d Control,
 }
 
-impl Task for Refining<'_, '_> {
+impl Task for Refining<'_> {
     type Output = Result<Rendered, Error>;
 
-    fn run<S: Level>(mut self) -> Result<Rendered, Error> {
+    fn run<S: Level>(self) -> Result<Rendered, Error> {
         self.draw::<S>()
     }
 }
 
-impl Renderer<'_> {
+impl Renderer {
     /// Draws `plan` in stages, each nearer to the finished picture: `show` gets every one, and may end the picture
-    /// between them by `Break` (the camera has moved, say), as `progress` may at any tile of any stage. What is
+    /// between them by `Break` (the camera has moved, say); `control` may end it at any time. What is
     /// shown last and returned has exactly the bytes that [`render`](Renderer::render) gives.
     ///
     /// ```
     /// use std::ops::ControlFlow;
-    /// use strahl_cpu::{Options, Renderer, no_progress};
+    /// use strahl_cpu::{Options, Renderer};
     /// use strahl_scene::{Scene, resolve};
-    /// use strahl_volume::Phantom;
+    /// use strahl_volume::{Control, Phantom};
     ///
     /// let volume = Phantom::Tree.volume([32, 32, 32])?;
     /// let scene = Scene::parse("scene", r#"{ "size": [64, 48] }"#)?;
     /// let plan = resolve(&scene, &volume.header(), None)?;
     /// let renderer = Renderer::new(&volume);
     /// let mut shown = Vec::new();
-    /// let drawn = renderer.refine(&plan, &Options::default(), &no_progress, &mut |picture, stage| {
+    /// let (options, control) = (Options::default(), Control::NONE);
+    /// let drawn = renderer.refine(&plan, &options, &control, &mut |picture, stage| {
     ///     shown.push((picture.clone(), stage.stride));
     ///     ControlFlow::Continue(())
     /// })?;
     /// assert_eq!(shown.last(), Some(&(drawn.image.clone(), 1)));
-    /// assert_eq!(drawn.image, renderer.render(&plan, &Options::default(), &no_progress)?.image);
+    /// assert_eq!(drawn.image, renderer.render(&plan, &options, &control)?.image);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
     /// # Errors
-    /// As [`render`](Renderer::render); [`Error::Cancelled`] if `show` or `progress` said stop.
+    /// As [`render`](Renderer::render); [`Error::Cancelled`] if `show` said stop or `control` was cancelled.
     pub fn refine(
         &self,
         plan: &Plan,
         options: &Options,
-        progress: Progress,
+        control: &Control,
         show: &mut (dyn FnMut(&Image, Stage) -> ControlFlow<()> + Send),
     ) -> Result<Rendered, Error> {
         self.check(plan, options)?;
-        options.run(Refining {
-            renderer: self,
-            plan,
-            options,
-            show,
-            progress,
-        })
-    }
-}
-
-/// What is drawn so far.
-struct Canvas {
-    pixels: Vec<[f32; 4]>,
-    /// Empty if nobody asked.
-    depth_mm: Vec<f32>,
-    counts: Counts,
-}
-
-impl Refining<'_, '_> {
-    fn draw<S: Level>(&mut self) -> Result<Rendered, Error> {
-        let start = Instant::now();
-        let plan = self.plan;
-        let number = plan.width as usize * plan.height as usize;
-        let mut canvas = Canvas {
-            pixels: vec![[0.0; 4]; number],
-            depth_mm: vec![f32::INFINITY; if plan.with_depth { number } else { 0 }],
-            counts: Counts::default(),
-        };
         let coarse = Plan {
             lattice: Lattice {
                 step_mm: plan.lattice.step_mm * f64::from(COARSE_STEPS),
@@ -140,52 +113,85 @@ impl Refining<'_, '_> {
             },
             ..plan.clone()
         };
-        let tiles = |raster: &Raster| raster.tiles(plan, self.options.tile);
+        let pool = self.pools().of(options.threads)?;
+        let pool = pool.as_deref();
+        let prepare = |plan| self.prepare(plan, options, control, pool);
+        let refining = Refining {
+            plans: [(&coarse, prepare(&coarse)?), (plan, prepare(plan)?)],
+            options,
+            show,
+            control,
+        };
+        options.run(pool, refining)
+    }
+}
+
+/// What is drawn so far, and how it goes on.
+struct Canvas<'d> {
+    pixels: Vec<[f32; 4]>,
+    /// Empty if nobody asked.
+    depth_mm: Vec<f32>,
+    counts: Counts,
+    tile: u32,
+    /// Tiles of all stages.
+    parts: Parts<'d>,
+    show: Show<'d>,
+}
+
+impl Refining<'_> {
+    fn draw<S: Level>(self) -> Result<Rendered, Error> {
+        let Refining {
+            plans: [(coarse, of_coarse), (plan, of_plan)],
+            options,
+            show,
+            control,
+        } = self;
+        let tiles = |raster: &Raster| raster.tiles(plan, options.tile);
         let total = STAGES
             .iter()
             .flat_map(|(_, _, rasters)| rasters.iter().map(tiles))
             .sum();
-        let drawn = AtomicUsize::new(0);
-        let all = self.progress;
-        let progress = |_: usize, _: usize| all(drawn.fetch_add(1, Ordering::Relaxed) + 1, total);
-        let renderer = self.renderer;
-        renderer.with_scenery::<S, _>(&coarse, self.options, |scenery| {
-            self.stage(0, scenery, &mut canvas, &progress)
-        })??;
-        let (image, prepared) =
-            renderer.with_scenery::<S, _>(plan, self.options, |scenery| {
-                let prepared = Instant::now();
-                let last = STAGES.len() - 1;
-                for stage in 1..last {
-                    self.stage(stage, scenery, &mut canvas, &progress)?;
-                }
-                let image = self.stage(last, scenery, &mut canvas, &progress)?;
-                Ok::<_, Error>((image, prepared))
-            })??;
+        let number = plan.width as usize * plan.height as usize;
+        let mut canvas = Canvas {
+            pixels: vec![[0.0; 4]; number],
+            depth_mm: vec![f32::INFINITY; if plan.with_depth { number } else { 0 }],
+            counts: Counts::default(),
+            tile: options.tile,
+            parts: control.parts(Work::Drawing, total),
+            show,
+        };
+        let bricks_seconds = of_coarse.bricks_seconds + of_plan.bricks_seconds;
+        let prepare_seconds = of_coarse.seconds + of_plan.seconds;
+        of_coarse.with_scenery::<S, _>(coarse, |scenery| canvas.stage(0, scenery))?;
+        let start = Instant::now();
+        let image = of_plan.with_scenery::<S, _>(plan, |scenery| {
+            let last = STAGES.len() - 1;
+            for stage in 1..last {
+                canvas.stage(stage, scenery)?;
+            }
+            canvas.stage(last, scenery)
+        })?;
         Ok(Rendered {
             image,
             depth_mm: plan.with_depth.then_some(canvas.depth_mm),
             stats: Stats {
-                prepare_seconds: (prepared - start).as_secs_f64(),
-                draw_seconds: prepared.elapsed().as_secs_f64(),
-                ..renderer.stats(plan, canvas.counts)
+                bricks_seconds,
+                prepare_seconds,
+                draw_seconds: start.elapsed().as_secs_f64(),
+                ..Stats::of(plan, canvas.counts)
             },
         })
     }
+}
 
+impl Canvas<'_> {
     /// Draws a stage and shows it; the last one takes the pixels of the canvas.
-    fn stage<S: Level>(
-        &mut self,
-        index: usize,
-        scenery: &Scenery<S>,
-        canvas: &mut Canvas,
-        progress: Progress,
-    ) -> Result<Image, Error> {
+    fn stage<S: Level>(&mut self, index: usize, scenery: &Scenery<S>) -> Result<Image, Error> {
         let (stride, steps, rasters) = STAGES[index];
-        let plan = self.plan;
+        let plan = scenery.plan;
         let width = plan.width as usize;
         for raster in rasters {
-            let drawn = tiles::draw(scenery, *raster, self.options.tile, progress)?;
+            let drawn = tiles::draw(scenery, *raster, self.tile, &self.parts)?;
             let [columns, _] = raster.size(plan);
             let place = |i: usize| {
                 let along = |n: usize, axis: usize| {
@@ -194,20 +200,20 @@ impl Refining<'_, '_> {
                 along(i % columns, 0) + width * along(i / columns, 1)
             };
             for (i, pixel) in drawn.pixels.into_iter().enumerate() {
-                canvas.pixels[place(i)] = pixel;
+                self.pixels[place(i)] = pixel;
             }
             for (i, depth_mm) in drawn.depth_mm.into_iter().enumerate() {
-                canvas.depth_mm[place(i)] = depth_mm;
+                self.depth_mm[place(i)] = depth_mm;
             }
             // What the first stage costs is no part of the finished picture.
             if steps == 1 {
-                canvas.counts = canvas.counts.plus(drawn.counts);
+                self.counts = self.counts.plus(drawn.counts);
             }
         }
         let pixels = if stride == 1 {
-            std::mem::take(&mut canvas.pixels)
+            std::mem::take(&mut self.pixels)
         } else {
-            between(&canvas.pixels, width, stride as usize)
+            between(&self.pixels, width, stride as usize)
         };
         let image = Image::from_pixels(plan.width, plan.height, pixels);
         let image = image.into_linear(plan.compositing);

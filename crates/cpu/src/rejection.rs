@@ -11,18 +11,34 @@ use crate::lanes::{F32s, I32s, Mask, Vec3s, words};
 use crate::levels::{Level, inlined, vectorized};
 use crate::library::classify::Between;
 use crate::library::reconstruct::Values;
+use crate::making::Making;
 use crate::skip::rounded_up;
 use std::sync::Arc;
 use strahl_scene::plan::{Classify, Composite, Fetch, Plan, Reconstruct};
-use strahl_volume::bends::bends;
-use strahl_volume::bricks::{BrickRange, Bricks};
-use strahl_volume::{Rescale, Volume};
+use strahl_volume::bends::bends_under;
+use strahl_volume::bricks::{BrickRange, Bricks, BricksOf};
+use strahl_volume::{Cancelled, ContentId, Key, Rescale, Volume};
 
 /// What cubic reconstruction of a volume rests on, beside the voxels.
 pub struct OfCubic {
     /// With the reach of the kernels.
-    pub bricks: Bricks,
-    bends: Option<Bends>,
+    pub bricks: Arc<Bricks>,
+    bends: Arc<Option<Bends>>,
+}
+
+/// Key of the bounds of a volume's second differences.
+#[derive(Clone, PartialEq)]
+struct BendsOf(ContentId);
+
+impl Key for BendsOf {
+    /// `None` if nothing is known.
+    type Value = Option<Bends>;
+
+    const NAME: &str = "second differences";
+
+    fn bytes(&self, value: &Option<Bends>) -> usize {
+        value.as_ref().map_or(0, |bends| 4 * bends.words.len())
+    }
 }
 
 /// Bounds of the second differences of stored numbers.
@@ -36,28 +52,34 @@ struct Bends {
 }
 
 impl OfCubic {
-    pub fn new(volume: &Volume) -> OfCubic {
-        let bricks = Bricks::with_reach(volume, EDGE, 1);
-        let largest = bricks
-            .ranges()
-            .fold(0.0, |largest: f32, BrickRange { lo, hi }| {
-                largest.max(lo.abs()).max(hi.abs())
-            });
-        // Of voxels without a value nothing is known, and sums of larger numbers overflow.
-        let is_whole = volume.statistics().not_finite == 0 && largest < 1e36;
-        let half = |number: f32| u32::from(rounded_up(number.abs()));
-        // Words are gathered at 32-bit offsets.
-        let fits = bricks.number() <= i32::MAX as usize / 8;
-        let bends = (is_whole && fits).then(|| Bends {
-            words: Arc::new(
-                bends(volume, EDGE)
-                    .into_iter()
-                    .map(|[least, most]| half(most) << 16 | half(least))
-                    .collect(),
-            ),
-            largest,
-        });
-        OfCubic { bricks, bends }
+    pub fn new(making: &Making, volume: &Volume) -> Result<OfCubic, Cancelled> {
+        let control = making.control;
+        let make = || Bricks::under(volume, EDGE, 1, control);
+        let bricks = making.find(&BricksOf::new(volume, EDGE, 1), make)?;
+        let bends = making.find(&BendsOf(volume.id()), || {
+            let largest = bricks
+                .ranges()
+                .fold(0.0, |largest: f32, BrickRange { lo, hi }| {
+                    largest.max(lo.abs()).max(hi.abs())
+                });
+            // Of voxels without a value nothing is known, and sums of larger numbers overflow.
+            let is_whole = volume.statistics_under(control)?.not_finite == 0 && largest < 1e36;
+            // Words are gathered at 32-bit offsets.
+            let fits = bricks.number() <= i32::MAX as usize / 8;
+            if !is_whole || !fits {
+                return Ok(None);
+            }
+            let half = |number: f32| u32::from(rounded_up(number.abs()));
+            let words = bends_under(volume, EDGE, control)?
+                .into_iter()
+                .map(|[least, most]| half(most) << 16 | half(least))
+                .collect();
+            Ok::<_, Cancelled>(Some(Bends {
+                words: Arc::new(words),
+                largest,
+            }))
+        })?;
+        Ok(OfCubic { bricks, bends })
     }
 }
 
@@ -96,7 +118,7 @@ impl Rejection {
         layer: usize,
         rescale: Rescale,
     ) -> Option<Rejection> {
-        let bends = of_cubic.bends.as_ref()?;
+        let bends = Option::as_ref(&of_cubic.bends)?;
         let (field, technique) = (plan.field_of(layer), plan.technique_of(layer));
         if field.fetch != Fetch::Stored {
             return None;
@@ -194,7 +216,7 @@ mod tests {
     use crate::library::reconstruct::values;
     use proptest::prelude::*;
     use strahl_scene::{Scene, resolve};
-    use strahl_volume::{Grid, Metadata, Samples};
+    use strahl_volume::{Control, Grid, Metadata, Samples, Store};
 
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(300))]
@@ -228,7 +250,9 @@ mod tests {
                 Reconstruct::BSplineInterpolating => &coefficients,
                 _ => &volume,
             };
-            let of_cubic = OfCubic::new(read);
+            let store = Store::default();
+            let making = Making { store: &store, control: &Control::NONE, pool: None };
+            let of_cubic = OfCubic::new(&making, read).unwrap();
             let values = values::<Portable>(&grid, read.samples(), read.rescale(), reconstruct);
             let place = |axis: usize| {
                 F32s::from_array(lanes(|lane| {

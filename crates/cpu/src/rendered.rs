@@ -37,7 +37,7 @@ pub struct Stats {
     pub skipped_mm: f64,
     /// Threads that drew.
     pub threads: usize,
-    /// Building the bricks of the volume, once per [`Renderer`].
+    /// Making bricks of the volumes; nothing where they were known.
     pub bricks_seconds: f64,
     /// Preparing the Plan.
     pub prepare_seconds: f64,

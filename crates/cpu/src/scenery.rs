@@ -57,6 +57,15 @@ pub struct Object<'p, S: Level> {
     world_from_voxel: Affine,
 }
 
+/// What is known of an object, as [`Object`] has it.
+pub struct Known {
+    pub skip: Option<Skip>,
+    pub rejection: Option<Rejection>,
+    pub even: Option<EvenCubes>,
+    pub strides: Option<Strides>,
+    pub integrals: Option<Arc<Integrals>>,
+}
+
 /// A half and a whole are worked out faster; lengths in single precision are not exactly that.
 fn steps_per_reference(step_mm: f64, reference_mm: f32) -> f32 {
     let steps = step_mm / f64::from(reference_mm);
@@ -108,19 +117,21 @@ impl<S: Level> Look<S> {
 
 impl<'p, S: Level> Object<'p, S> {
     /// Layer number `layer` of `plan`.
-    #[expect(clippy::too_many_arguments, reason = "what an object is made of")]
     pub fn new(
         plan: &'p Plan,
         layer: usize,
         values: &'p dyn Values<S>,
         stored: Option<Stored<'p>>,
         masks: &'p [Box<dyn Values<S> + 'p>],
-        skip: Option<Skip>,
-        rejection: Option<Rejection>,
-        even: Option<EvenCubes>,
-        strides: Option<Strides>,
-        integrals: Option<Arc<Integrals>>,
+        known: Known,
     ) -> Object<'p, S> {
+        let Known {
+            skip,
+            rejection,
+            even,
+            strides,
+            integrals,
+        } = known;
         let (field, technique) = (plan.field_of(layer), plan.technique_of(layer));
         let table = &technique.table;
         let part_mm = plan.lattice.step_mm / f64::from(plan.sampling.parts());

@@ -4,35 +4,33 @@
 //! into a brick that provably gives nothing: pictures have the same bytes with skipping and without.
 
 use crate::brick_number::{EDGE, SHIFT, brick_number, brick_number_of};
-use crate::clipped::Clipped;
+use crate::clipped::{Clipped, ClippedOf};
 use crate::lanes::{F32s, I32s, LANES, Vec3s, each, words};
 use crate::levels::Level;
 use crate::library::fetch::Shape;
 use crate::line::{Line, points_to_face};
-use glam::DVec3;
+use crate::making::Making;
 use rayon::prelude::*;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use strahl_scene::plan::{Classify, Composite, Fetch, Plan, PlanCamera, Projection, Reconstruct};
-use strahl_scene::transfer::TransferTable;
-use strahl_scene::visibility::Contribution;
-use strahl_volume::Rescale;
+use std::sync::Arc;
+use strahl_scene::plan::{Composite, Plan};
+use strahl_scene::visibility::{Contribution, ContributionOf};
 use strahl_volume::bricks::Bricks;
+use strahl_volume::{Cancelled, Control, Key};
 
 /// What is known of the bricks of a volume under a Plan.
 pub struct Skip {
     /// Number of bricks along each axis.
     dims: [i32; 3],
-    bricks: Knowledge,
+    bricks: Arc<Knowledge>,
 }
 
-#[derive(Clone)]
 enum Knowledge {
     /// Nothing can be left out.
     Nothing,
     /// For each octant of directions, and each brick: 0 if it may show something; r if the cube of r³
     /// bricks shows nothing whose corner it is and that lies ahead. Three bytes more, so that a word can
-    /// be read anywhere. Octants that no ray has are 0.
-    Cubes(Arc<Vec<u8>>),
+    /// be read anywhere.
+    Cubes(Vec<u8>),
     /// Upper bounds of values, for rules that keep the largest or the smallest.
     Bounds(Bounds),
 }
@@ -76,7 +74,6 @@ impl<S: Level> Cubes<'_, S> {
 
 /// Upper bounds of the values, or of the values' negatives, in all blocks of 2³ bricks. The bricks are those of the volume,
 /// or, in large volumes, as many of them as it takes for the bounds to fit the cache.
-#[derive(Clone)]
 pub struct Bounds {
     /// Number of bricks along each axis.
     dims: [i32; 3],
@@ -84,7 +81,7 @@ pub struct Bounds {
     shift: u32,
     /// For each brick as the lowest of a block: the upper half of the bound's bits, rounded up, which half
     /// the cache holds. One number more, so that a word can be read anywhere.
-    largest: Arc<Vec<u16>>,
+    largest: Vec<u16>,
     is_negative: bool,
 }
 
@@ -119,7 +116,7 @@ impl Bounds {
         Bounds {
             dims: dims.map(|n| n as i32),
             shift,
-            largest: Arc::new(largest),
+            largest,
             is_negative,
         }
     }
@@ -200,121 +197,55 @@ pub fn rounded_up(bound: f32) -> u16 {
 /// The most points of a run: more would be sampled where few matter.
 const MOST_POINTS: f32 = 16.0;
 
-/// What was found for the Plans drawn last: most have only another camera.
-#[derive(Default)]
-pub struct Recent(Mutex<Vec<Found>>);
-
-struct Found {
-    of: Asked,
-    visible: Vec<bool>,
-    /// Octants whose cubes are found: bit i is octant i.
-    octants: u32,
-    knowledge: Knowledge,
-}
-
-/// All that a [`Contribution`] depends on, and what clips leave of it.
+/// All that [`Knowledge`] depends on.
 #[derive(Clone, PartialEq)]
-struct Asked {
-    volume: usize,
-    fetch: Fetch,
-    reconstruct: Reconstruct,
-    classify: Classify,
-    composite: Composite,
-    rescale: Rescale,
-    table: TransferTable,
-    clipped: Option<Clipped>,
+struct KnowledgeOf {
+    contribution: ContributionOf,
+    clipped: Option<ClippedOf>,
 }
 
-impl Recent {
-    fn find(
-        &self,
+impl Key for KnowledgeOf {
+    type Value = Knowledge;
+
+    const NAME: &str = "cubes of bricks";
+
+    fn bytes(&self, value: &Knowledge) -> usize {
+        let own = self.contribution.table_bytes();
+        own + match value {
+            Knowledge::Nothing => 0,
+            Knowledge::Cubes(cubes) => cubes.len(),
+            Knowledge::Bounds(bounds) => 2 * bounds.largest.len(),
+        }
+    }
+}
+
+impl Knowledge {
+    fn new(
         bricks: &Bricks,
-        plan: &Plan,
-        layer: usize,
-        clipped: Option<&Clipped>,
-    ) -> Knowledge {
-        let (field, technique) = (plan.field_of(layer), plan.technique_of(layer));
-        let asked = Asked {
-            volume: field.volume,
-            fetch: field.fetch,
-            reconstruct: field.reconstruct,
-            classify: technique.classify,
-            composite: technique.composite,
-            rescale: field.rescale,
-            table: technique.table.clone(),
-            clipped: clipped.cloned(),
-        };
-        let known = {
-            let mut all = self.all();
-            let place = all.iter().position(|found| found.of == asked);
-            let known = place.map(|place| all.remove(place));
-            // What was found for other transfer functions would take an eighth of a `u8` volume each: it goes before
-            // there is more.
-            all.truncate(plan.layers.len() - 1);
-            known
-        };
-        // Not under the lock: the threads that help here may draw other pictures meanwhile.
-        let mut found = known.unwrap_or_else(|| Found::new(asked, bricks, plan, layer));
-        found.look_towards(octants(plan, layer), bricks.dims());
-        let knowledge = found.knowledge.clone();
-        let mut all = self.all();
-        all.insert(0, found);
-        all.truncate(plan.layers.len());
-        knowledge
-    }
-
-    fn all(&self) -> MutexGuard<'_, Vec<Found>> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
-impl Found {
-    fn new(of: Asked, bricks: &Bricks, plan: &Plan, object: usize) -> Found {
-        let bounds = |largest: Vec<f32>, is_negative| {
-            Knowledge::Bounds(Bounds::new(bricks.dims(), largest, is_negative))
-        };
-        let clipped = of.clipped.as_ref().map(Clipped::bricks);
-        let mut visible = Vec::new();
-        // Words are gathered at 32-bit offsets.
-        let knowledge = if bricks.number() > i32::MAX as usize / 8 {
-            Knowledge::Nothing
-        } else {
-            match unclipped(Contribution::of(plan, object, bricks), clipped) {
-                Contribution::Every => Knowledge::Nothing,
-                Contribution::Visible(of_bricks) => {
-                    visible = of_bricks;
-                    Knowledge::Cubes(Arc::new(vec![0; 8 * visible.len() + 3]))
-                }
-                Contribution::Largest(values) => bounds(values, false),
-                Contribution::Smallest(values) => {
-                    bounds(values.into_iter().map(|value| -value).collect(), true)
-                }
+        contribution: Contribution,
+        control: &Control,
+    ) -> Result<Knowledge, Cancelled> {
+        let dims = bricks.dims();
+        Ok(match contribution {
+            Contribution::Every => Knowledge::Nothing,
+            Contribution::Visible(visible) => {
+                let number = visible.len();
+                let mut cubes = vec![0; 8 * number + 3];
+                // For all directions: whoever turns the camera makes nothing anew.
+                cubes[..8 * number]
+                    .par_chunks_exact_mut(2 * number)
+                    .enumerate()
+                    .try_for_each(|(pair, cubes)| {
+                        find_cubes(dims, &visible, pair, cubes, control)
+                    })?;
+                Knowledge::Cubes(cubes)
             }
-        };
-        Found {
-            of,
-            visible,
-            octants: 0,
-            knowledge,
-        }
-    }
-
-    /// Finds the cubes of `octants` that are not known yet.
-    fn look_towards(&mut self, octants: u32, dims: [usize; 3]) {
-        let octants = octants & !self.octants;
-        let Knowledge::Cubes(cubes) = &mut self.knowledge else {
-            return;
-        };
-        if octants == 0 {
-            return;
-        }
-        let visible = &self.visible;
-        Arc::make_mut(cubes)
-            .par_chunks_exact_mut(visible.len())
-            .enumerate()
-            .filter(|(octant, _)| octants >> octant & 1 == 1)
-            .for_each(|(octant, cubes)| find_cubes(dims, visible, octant, cubes));
-        self.octants |= octants;
+            Contribution::Largest(values) => Knowledge::Bounds(Bounds::new(dims, values, false)),
+            Contribution::Smallest(values) => {
+                let negatives = values.into_iter().map(|value| -value).collect();
+                Knowledge::Bounds(Bounds::new(dims, negatives, true))
+            }
+        })
     }
 }
 
@@ -351,34 +282,47 @@ impl Skip {
     /// What can be left out of object number `object`, also where it is `clipped`; `None` if the rule needs, or its loop
     /// visits, every sample.
     pub fn new(
-        recent: &Recent,
+        making: &Making,
+        contribution: &ContributionOf,
         bricks: &Bricks,
-        plan: &Plan,
-        object: usize,
+        (plan, object): (&Plan, usize),
         clipped: Option<&Clipped>,
-    ) -> Option<Skip> {
+    ) -> Result<Option<Skip>, Cancelled> {
         assert_eq!(bricks.edge(), EDGE);
-        if plan.technique().composite == Composite::BackToFront {
-            return None;
+        // Words are gathered at 32-bit offsets.
+        let fits = bricks.number() <= i32::MAX as usize / 8;
+        if plan.technique().composite == Composite::BackToFront || !fits {
+            return Ok(None);
         }
-        match recent.find(bricks, plan, object, clipped) {
-            Knowledge::Nothing => None,
-            knowledge => Some(Skip {
-                dims: bricks.dims().map(|n| n as i32),
-                bricks: knowledge,
-            }),
-        }
+        let control = making.control;
+        let key = KnowledgeOf {
+            contribution: contribution.clone(),
+            clipped: clipped.map(|clipped| clipped.of.clone()),
+        };
+        let knowledge = making.find(&key, || {
+            let visible = making.find(contribution, || {
+                Contribution::of(plan, object, bricks, control)
+            })?;
+            let clipped = clipped.map(Clipped::bricks);
+            let contribution = unclipped(Contribution::clone(&visible), clipped);
+            Knowledge::new(bricks, contribution, control)
+        })?;
+        let is_any = !matches!(*knowledge, Knowledge::Nothing);
+        Ok(is_any.then(|| Skip {
+            dims: bricks.dims().map(|n| n as i32),
+            bricks: knowledge,
+        }))
     }
 
     /// Whether what is known are cubes.
     pub fn has_cubes(&self) -> bool {
-        matches!(self.bricks, Knowledge::Cubes(_))
+        matches!(*self.bricks, Knowledge::Cubes(_))
     }
 
     /// The cubes in the directions of `line`, if that is what is known.
     #[inline(always)]
     pub fn cubes<S: Level>(&self, line: &Line<S>) -> Option<Cubes<'_, S>> {
-        let Knowledge::Cubes(cubes) = &self.bricks else {
+        let Knowledge::Cubes(cubes) = &*self.bricks else {
             return None;
         };
         let number = self.dims[0] * self.dims[1] * self.dims[2];
@@ -391,7 +335,7 @@ impl Skip {
 
     /// What values cannot exceed, for rules that keep the largest or the smallest.
     pub fn bounds(&self) -> Option<&Bounds> {
-        match &self.bricks {
+        match &*self.bricks {
             Knowledge::Bounds(bounds) => Some(bounds),
             _ => None,
         }
@@ -414,86 +358,70 @@ impl Skip {
     }
 }
 
-/// Which octants of directions (bit i is octant i) rays of `plan` may have in the voxel space of an object.
-fn octants(plan: &Plan, object: usize) -> u32 {
-    let PlanCamera {
-        right, up, forward, ..
-    } = plan.camera;
-    let corners: Vec<DVec3> = match plan.camera.projection {
-        Projection::Orthographic { .. } => vec![forward],
-        // Every component is a linear function of the place in the picture: its signs are those at the
-        // corners.
-        Projection::Perspective { tan_half_height } => {
-            let aspect = f64::from(plan.width) / f64::from(plan.height);
-            let at = |[x, y]: [f64; 2]| forward + (right * (x * aspect) + up * y) * tan_half_height;
-            [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]]
-                .map(at)
-                .to_vec()
-        }
-    };
-    let voxel_from_world = plan.field_of(object).grid.voxel_from_world();
-    let mut signs = [[false; 2]; 3];
-    for corner in corners {
-        let direction = voxel_from_world.transform_vector3(corner);
-        let rounding = 1e-9 * direction.length();
-        for (axis, signs) in signs.iter_mut().enumerate() {
-            signs[0] |= direction[axis] > -rounding;
-            signs[1] |= direction[axis] < rounding;
-        }
-    }
-    (0..8)
-        .filter(|octant| (0..3).all(|axis| signs[axis][octant >> axis & 1]))
-        .fold(0, |set, octant| set | 1 << octant)
-}
-
 /// For each brick the edge (at most 255) of the largest cube of bricks that are not `visible`, whose
-/// corner it is and that lies ahead in directions of the `octant`. (The largest square of ones with a
-/// given corner, by dynamic programming, in three dimensions.) Bricks outside show nothing.
-fn find_cubes(dims: [usize; 3], visible: &[bool], octant: usize, cubes: &mut [u8]) {
+/// corner it is and that lies ahead. (The largest square of ones with a given corner, by dynamic programming, in three
+/// dimensions.) Bricks outside show nothing. `cubes` are those of the octants 2·`pair` and 2·`pair` + 1, which differ
+/// in their direction along x: neither waits for the other, so that both take hardly longer than one.
+fn find_cubes(
+    dims: [usize; 3],
+    visible: &[bool],
+    pair: usize,
+    cubes: &mut [u8],
+    control: &Control,
+) -> Result<(), Cancelled> {
     let [nx, ny, nz] = dims;
     // From the far end: what lies ahead is known.
     let turned = |i: usize, n: usize, axis: usize| {
-        if octant >> axis & 1 == 1 {
+        if (2 * pair) >> axis & 1 == 1 {
             i
         } else {
             n - 1 - i
         }
     };
+    let (down, up) = cubes.split_at_mut(visible.len());
     // Of each row that is done: the smaller one of each brick and the next ahead.
-    let mut pairs = vec![u8::MAX; cubes.len()];
-    let mut least = vec![u8::MAX; nx];
+    let mut pairs = [(); 2].map(|()| vec![u8::MAX; visible.len()]);
+    let mut least = [(); 2].map(|()| vec![u8::MAX; nx]);
     for z in 0..nz {
+        control.check()?;
         for y in 0..ny {
             let row_at = |y: usize, z: usize| nx * (turned(y, ny, 1) + ny * turned(z, nz, 2));
             let start = row_at(y, z);
-            least.fill(u8::MAX);
-            let mut look_at = |other: usize| {
-                for (least, pair) in least.iter_mut().zip(&pairs[other..other + nx]) {
-                    *least = (*least).min(*pair);
+            for (least, pairs) in least.iter_mut().zip(&pairs) {
+                least.fill(u8::MAX);
+                let mut look_at = |other: usize| {
+                    for (least, pair) in least.iter_mut().zip(&pairs[other..other + nx]) {
+                        *least = (*least).min(*pair);
+                    }
+                };
+                if y > 0 {
+                    look_at(row_at(y - 1, z));
                 }
-            };
-            if y > 0 {
-                look_at(row_at(y - 1, z));
+                if z > 0 {
+                    look_at(row_at(y, z - 1));
+                }
+                if y > 0 && z > 0 {
+                    look_at(row_at(y - 1, z - 1));
+                }
             }
-            if z > 0 {
-                look_at(row_at(y, z - 1));
-            }
-            if y > 0 && z > 0 {
-                look_at(row_at(y - 1, z - 1));
-            }
-            let row = &mut cubes[start..start + nx];
-            let pairs = &mut pairs[start..start + nx];
-            let mut ahead = u8::MAX;
-            for x in 0..nx {
-                let x = turned(x, nx, 0);
-                let cube = least[x].min(ahead).saturating_add(1);
-                let cube = if visible[start + x] { 0 } else { cube };
-                row[x] = cube;
-                pairs[x] = cube.min(ahead);
-                ahead = cube;
+            let row = start..start + nx;
+            let visible = &visible[row.clone()];
+            let rows = [&mut down[row.clone()], &mut up[row.clone()]];
+            let [pairs_down, pairs_up] = &mut pairs;
+            let pairs = [&mut pairs_down[row.clone()], &mut pairs_up[row]];
+            let mut ahead = [u8::MAX; 2];
+            for i in 0..nx {
+                for (side, x) in [nx - 1 - i, i].into_iter().enumerate() {
+                    let cube = least[side][x].min(ahead[side]).saturating_add(1);
+                    let cube = if visible[x] { 0 } else { cube };
+                    rows[side][x] = cube;
+                    pairs[side][x] = cube.min(ahead[side]);
+                    ahead[side] = cube;
+                }
             }
         }
     }
+    Ok(())
 }
 
 #[cfg(test)]
@@ -554,8 +482,10 @@ mod tests {
                 let at = place.index(visible.len());
                 visible[at] = true;
             }
-            let mut cubes = vec![0; visible.len()];
-            find_cubes(dims, &visible, octant, &mut cubes);
+            let number = visible.len();
+            let mut cubes = vec![0; 2 * number];
+            find_cubes(dims, &visible, octant / 2, &mut cubes, &Control::NONE).unwrap();
+            let cubes = &cubes[octant % 2 * number..][..number];
             let place = |i: usize| [i % nx, i / nx % ny, i / (nx * ny)];
             for (i, &cube) in cubes.iter().enumerate() {
                 let ahead = |j: usize| {

@@ -5,9 +5,11 @@ use crate::clipped::Clipped;
 use crate::lanes::{F32s, I32s, Mask, each};
 use crate::levels::{Level, inlined};
 use crate::line::Line;
-use crate::of_bricks::{OfBricks, RecentOfBricks};
+use crate::making::Making;
+use crate::of_bricks::OfBricks;
 use strahl_scene::plan::{Plan, Sampling};
-use strahl_scene::visibility::most_opacity;
+use strahl_scene::visibility::{ContributionOf, most_opacity};
+use strahl_volume::Cancelled;
 use strahl_volume::bricks::Bricks;
 
 /// Strides of 1, 2 or 4 lattice points. A longer one is taken where what lies along it can make up no more than a share of
@@ -24,20 +26,21 @@ pub struct Strides {
 impl Strides {
     /// Those of object number `object`; `None` if every lattice point is to be looked at.
     pub fn new(
-        recent: &RecentOfBricks,
+        making: &Making,
+        contribution: &ContributionOf,
         bricks: &Bricks,
-        plan: &Plan,
-        object: usize,
+        (plan, object): (&Plan, usize),
         clipped: Option<&Clipped>,
-    ) -> Option<Strides> {
+    ) -> Result<Option<Strides>, Cancelled> {
         let Sampling::ByOpacity { share } = plan.sampling else {
-            return None;
+            return Ok(None);
         };
-        let most_opacity = OfBricks::new(recent, bricks, plan, object, clipped, most_opacity)?;
-        Some(Strides {
+        let of = (plan, object);
+        let found = OfBricks::new(making, contribution, bricks, of, clipped, most_opacity)?;
+        Ok(found.map(|most_opacity| Strides {
             most_opacity,
             share: share * 255.0,
-        })
+        }))
     }
 
     /// Those along rays.

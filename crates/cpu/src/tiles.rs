@@ -4,13 +4,11 @@ use crate::error::Error;
 use crate::lanes::{LANES, PACKET};
 use crate::levels::{Level, vectorized};
 use crate::march::{Counts, OfRuns};
-use crate::progress::Progress;
 use crate::raster::Raster;
 use crate::ray_packet::RayPacket;
 use crate::scenery::Scenery;
 use rayon::prelude::*;
-use std::ops::ControlFlow;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use strahl_volume::Parts;
 
 /// What the pixels of a raster hold before its colours are made linear.
 pub struct Drawn {
@@ -30,12 +28,12 @@ struct Tile<'i> {
 }
 
 /// Draws the pixels of `raster` in the current thread pool. Each pixel depends on its own ray only, so that
-/// neither the size of tiles nor their order nor the number of threads can change one.
+/// neither the size of tiles nor their order nor the number of threads can change one. Every tile is one of `parts`.
 pub fn draw<S: Level>(
     scenery: &Scenery<S>,
     raster: Raster,
     edge: u32,
-    progress: Progress,
+    parts: &Parts,
 ) -> Result<Drawn, Error> {
     let plan = scenery.plan;
     let [width, height] = raster.size(plan);
@@ -53,31 +51,21 @@ pub fn draw<S: Level>(
         Vec::new()
     };
     let tiles = tiles(&mut pixels, &mut depth_mm, width, edge as usize);
-    let total = tiles.len();
-    let drawn = AtomicUsize::new(0);
-    let cancelled = AtomicBool::new(false);
     let counts = tiles
         .into_par_iter()
         // Tiles differ by far in what they cost: whoever is done first must find one that is left.
         .with_max_len(1)
         .map(|tile| {
-            if cancelled.load(Ordering::Relaxed) {
-                return Counts::default();
-            }
             let counts = vectorized::<S, _>(
                 #[inline(always)]
-                || draw_tile(scenery, raster, tile),
+                || draw_tile(scenery, raster, tile, parts),
             );
-            let drawn = drawn.fetch_add(1, Ordering::Relaxed) + 1;
-            if let ControlFlow::Break(()) = progress(drawn, total) {
-                cancelled.store(true, Ordering::Relaxed);
-            }
-            counts
+            parts.done(1)?;
+            Ok(counts)
         })
-        .reduce(Counts::default, Counts::plus);
-    if cancelled.into_inner() {
-        return Err(Error::Cancelled);
-    }
+        .try_reduce(Counts::default, |one, other| {
+            Ok::<_, Error>(one.plus(other))
+        })?;
     Ok(Drawn {
         pixels,
         depth_mm,
@@ -118,7 +106,12 @@ fn tiles<'i>(
 }
 
 #[inline(always)]
-fn draw_tile<S: Level>(scenery: &Scenery<S>, raster: Raster, mut tile: Tile) -> Counts {
+fn draw_tile<S: Level>(
+    scenery: &Scenery<S>,
+    raster: Raster,
+    mut tile: Tile,
+    parts: &Parts,
+) -> Counts {
     let mut counts = Counts::default();
     let mut rays = RayPacket::empty(scenery.objects.len());
     let mut of_runs = OfRuns::none();
@@ -130,6 +123,9 @@ fn draw_tile<S: Level>(scenery: &Scenery<S>, raster: Raster, mut tile: Tile) -> 
         for x in (0..width).step_by(PACKET[0]) {
             let place = [x as usize, y as usize];
             for frame in 0..frames {
+                if parts.is_cancelled() {
+                    return counts;
+                }
                 rays.aim(scenery, raster, [tile.x + x, tile.y + y], end, frame);
                 let seen = scenery.march(&rays, &mut of_runs, &mut counts);
                 if frame == 0 && !tile.depth_rows.is_empty() {

@@ -2,118 +2,137 @@
 
 use crate::error::Error;
 use crate::resources::{Numbers, Texture};
-use std::borrow::Cow;
+use std::sync::Arc;
 use strahl_scene::plan::{ClipShape, Field, Plan};
+use strahl_volume::bricks::{Bricks, BricksOf};
 use strahl_volume::{
-    Datasets, Mesh, Metadata, Rescale, SampleType, Samples, Volume, bricks::Bricks, with_samples,
+    CoefficientsOf, ContentId, Control, Datasets, Key, Mesh, Metadata, Rescale, SampleType,
+    Samples, Store, Volume, with_samples,
 };
 
-/// Everything that Plans of the same data read.
-#[derive(Debug)]
-pub struct Data<'v> {
-    volumes: Vec<&'v Volume>,
-    bricks: Vec<Bricks>,
-    /// What interpolating B-splines read in place of the voxels: made when a Plan first asks for it.
-    coefficients: Vec<Option<(Volume, Bricks)>>,
-    masks: Vec<Cow<'v, Volume>>,
-    pub meshes: Vec<&'v Mesh>,
+/// What a Plan reads of its data.
+pub struct Data<'d> {
+    datasets: &'d Datasets,
+    /// What each object is reconstructed from, by its volume: the voxels, or in their place the coefficients that
+    /// interpolating B-splines read; with the bricks. `None` for volumes that no object shows.
+    read: Vec<Option<(Arc<Volume>, Arc<Bricks>)>>,
+    masks: Vec<Arc<Volume>>,
 }
 
-impl<'v> Data<'v> {
-    pub fn new(data: Datasets<'v>) -> Result<Data<'v>, Error> {
+/// Whether `plan` is one of this data.
+pub fn check(datasets: &Datasets, plan: &Plan) -> Result<(), Error> {
+    let there = |what, index: usize, there: usize| {
+        (index < there)
+            .then_some(())
+            .ok_or(Error::NoData { what, index, there })
+    };
+    for field in plan.drawn_fields() {
+        there("volume", field.volume, datasets.volumes.len())?;
+        let own = datasets.volumes[field.volume].grid();
+        // A field may be placed elsewhere, but has the voxels of its volume.
+        let is_own = field.is_moved || field.grid == *own;
+        if field.grid.dims() != own.dims() || !is_own {
+            return Err(Error::OtherGrid {
+                plan: field.grid.dims(),
+                volume: own.dims(),
+            });
+        }
+    }
+    for clip in &plan.sample_clips {
+        if let ClipShape::Mask { mask, .. } = clip.shape {
+            there("mask", mask, datasets.masks.len())?;
+        }
+    }
+    for mesh in &plan.meshes {
+        there("mesh", mesh.mesh, datasets.meshes.len())?;
+    }
+    Ok(())
+}
+
+/// A threshold in values, in the numbers of the texture of mask `mask`.
+pub fn mask_threshold(datasets: &Datasets, mask: usize, threshold: f32) -> f64 {
+    let rescale = datasets.masks[mask].rescale();
+    match rescale.slope > 0.0 {
+        true => rescale.stored(f64::from(threshold)),
+        // [`growing`] ones hold values.
+        false => f64::from(threshold),
+    }
+}
+
+/// Whether every value is finite because the voxels are whole numbers and far from the largest float.
+pub fn are_finite(datasets: &Datasets) -> bool {
+    let is_finite = |volume: &Volume| {
+        let Rescale { slope, intercept } = volume.rescale();
+        !matches!(volume.sample_type(), SampleType::F32 | SampleType::F64)
+            && slope.abs().max(intercept.abs()) < 1e20
+    };
+    datasets.volumes.iter().all(is_finite)
+}
+
+impl<'d> Data<'d> {
+    /// Finds in `store`, or makes under `control`, what `plan` reads beside the data itself.
+    pub fn new(
+        datasets: &'d Datasets,
+        plan: &Plan,
+        store: &Store,
+        control: &Control,
+    ) -> Result<Data<'d>, Error> {
+        check(datasets, plan)?;
+        let mut read = vec![None; datasets.volumes.len()];
+        for field in plan.drawn_fields() {
+            let own = &datasets.volumes[field.volume];
+            let volume = match field.reads_coefficients() {
+                true => store.find(&CoefficientsOf(own.id()), control, || {
+                    own.b_spline_coefficients_under(control)
+                })?,
+                false => Arc::new(own.clone()),
+            };
+            let key = BricksOf::new(&volume, Bricks::EDGE, 0);
+            let make = || Bricks::under(&volume, Bricks::EDGE, 0, control);
+            let bricks = store.find(&key, control, make)?;
+            read[field.volume] = Some((volume, bricks));
+        }
+        let mut masks = Vec::new();
+        for mask in &datasets.masks {
+            masks.push(match mask.rescale().slope > 0.0 {
+                true => Arc::new(mask.clone()),
+                false => store.find(&GrowingOf(mask.id()), control, || growing(mask, control))?,
+            });
+        }
         Ok(Data {
-            bricks: data.volumes.iter().map(|v| Bricks::new(v)).collect(),
-            coefficients: data.volumes.iter().map(|_| None).collect(),
-            masks: data
-                .masks
-                .iter()
-                .map(|mask| growing(mask))
-                .collect::<Result<_, _>>()?,
-            volumes: data.volumes,
-            meshes: data.meshes,
+            datasets,
+            read,
+            masks,
         })
     }
 
-    /// Whether `plan` is one of this data.
-    pub fn check(&self, plan: &Plan) -> Result<(), Error> {
-        let there = |what, index: usize, there: usize| {
-            (index < there)
-                .then_some(())
-                .ok_or(Error::NoData { what, index, there })
-        };
-        for field in plan.drawn_fields() {
-            there("volume", field.volume, self.volumes.len())?;
-            let own = self.volumes[field.volume].grid();
-            // A field may be placed elsewhere, but has the voxels of its volume.
-            let is_own = field.is_moved || field.grid == *own;
-            if field.grid.dims() != own.dims() || !is_own {
-                return Err(Error::OtherGrid {
-                    plan: field.grid.dims(),
-                    volume: own.dims(),
-                });
-            }
-        }
-        for clip in &plan.sample_clips {
-            if let ClipShape::Mask { mask, .. } = clip.shape {
-                there("mask", mask, self.masks.len())?;
-            }
-        }
-        for mesh in &plan.meshes {
-            there("mesh", mesh.mesh, self.meshes.len())?;
-        }
-        Ok(())
+    /// The opaque surfaces.
+    pub fn meshes(&self) -> &'d [Mesh] {
+        &self.datasets.meshes
     }
 
-    /// Makes the coefficients that `plan` reads, if it reads any.
-    pub fn make_coefficients(&mut self, plan: &Plan) -> Result<(), Error> {
-        if !plan.field().reads_coefficients() {
-            return Ok(());
-        }
+    /// Of each object of `plan`, what it is reconstructed from, and its bricks.
+    pub fn of_objects(&self, plan: &Plan) -> Vec<(ContentId, &Bricks)> {
+        let mut found = Vec::new();
         for field in plan.drawn_fields() {
-            let slot = &mut self.coefficients[field.volume];
-            if slot.is_none() {
-                let volume = self.volumes[field.volume].b_spline_coefficients()?;
-                let bricks = Bricks::new(&volume);
-                *slot = Some((volume, bricks));
+            if let Some((volume, bricks)) = &self.read[field.volume] {
+                found.push((volume.id(), &**bricks));
             }
         }
-        Ok(())
-    }
-
-    fn read(&self, plan: &Plan, volume: usize) -> (&Volume, &Bricks) {
-        match &self.coefficients[volume] {
-            Some((volume, bricks)) if plan.field().reads_coefficients() => (volume, bricks),
-            _ => (self.volumes[volume], &self.bricks[volume]),
-        }
+        found
     }
 
     pub fn volumes(&self) -> usize {
-        self.volumes.len()
-    }
-
-    pub fn bricks(&self, plan: &Plan, layer: usize) -> &Bricks {
-        self.read(plan, plan.field_of(layer).volume).1
-    }
-
-    /// Whether every value is finite because the voxels are whole numbers and far from the largest float.
-    pub fn are_finite(&self) -> bool {
-        let is_finite = |volume: &&Volume| {
-            let Rescale { slope, intercept } = volume.rescale();
-            !matches!(volume.sample_type(), SampleType::F32 | SampleType::F64)
-                && slope.abs().max(intercept.abs()) < 1e20
-        };
-        self.volumes.iter().all(is_finite)
+        self.read.len()
     }
 
     /// The texture of volume `volume`: its stored numbers, as floats or, for a program that reads whole
     /// ones, as those.
-    pub fn volume(
-        &self,
-        plan: &Plan,
-        volume: usize,
-        kind: naga::ScalarKind,
-    ) -> Result<Texture<'_>, Error> {
-        let volume = self.read(plan, volume).0;
+    pub fn volume(&self, volume: usize, kind: naga::ScalarKind) -> Result<Texture<'_>, Error> {
+        let volume = match &self.read[volume] {
+            Some((volume, _)) => volume,
+            None => &self.datasets.volumes[volume],
+        };
         let samples = volume.samples();
         let numbers = match kind {
             naga::ScalarKind::Uint => Numbers::U32(
@@ -140,28 +159,46 @@ impl<'v> Data<'v> {
         Some(Texture::new(dims, 1, Numbers::Stored(mask.samples())))
     }
 
-    /// A threshold in values, in the numbers of the mask's texture.
-    pub fn mask_threshold(&self, mask: usize, threshold: f32) -> f64 {
-        self.masks[mask].rescale().stored(f64::from(threshold))
-    }
-
     /// value = slope · texel + intercept: slope and intercept.
-    pub fn value_of_texel(&self, plan: &Plan, field: &Field) -> (f64, f64) {
+    pub fn value_of_texel(&self, field: &Field) -> (f64, f64) {
         // Coefficients are values.
-        if plan.field().reads_coefficients() {
+        if field.reads_coefficients() {
             return (1.0, 0.0);
         }
         (field.rescale.slope, field.rescale.intercept)
     }
 }
 
-/// A mask whose stored numbers grow with its values, so that a threshold can be one in stored numbers.
-fn growing(mask: &Volume) -> Result<Cow<'_, Volume>, Error> {
-    if mask.rescale().slope > 0.0 {
-        return Ok(Cow::Borrowed(mask));
+/// Key of the mask whose stored numbers grow with its values.
+#[derive(Clone, PartialEq)]
+struct GrowingOf(ContentId);
+
+impl Key for GrowingOf {
+    type Value = Volume;
+
+    const NAME: &str = "growing masks";
+
+    fn bytes(&self, value: &Volume) -> usize {
+        value.samples().as_bytes().len()
     }
-    let value = |i| mask.rescale().value(mask.samples().get(i)) as f32;
-    let values = Samples::F32((0..mask.grid().voxel_count()).map(value).collect());
-    let values = Volume::new(*mask.grid(), values, Rescale::IDENTITY, Metadata::default())?;
-    Ok(Cow::Owned(values))
+}
+
+/// The values of a mask whose stored numbers fall with them, so that a threshold can be one in stored numbers.
+fn growing(mask: &Volume, control: &Control) -> Result<Volume, Error> {
+    const PIECE: usize = 1 << 16;
+    let number = mask.grid().voxel_count();
+    let mut values = Vec::with_capacity(number);
+    for start in (0..number).step_by(PIECE) {
+        control.check()?;
+        let value = |i| mask.rescale().value(mask.samples().get(i)) as f32;
+        values.extend((start..number.min(start + PIECE)).map(value));
+    }
+    let values = Samples::F32(values);
+    let metadata = Metadata::default();
+    Ok(Volume::new(
+        *mask.grid(),
+        values,
+        Rescale::IDENTITY,
+        metadata,
+    )?)
 }

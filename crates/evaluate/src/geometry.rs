@@ -6,7 +6,7 @@ use glam::{DVec2, DVec3};
 use std::ops::RangeInclusive;
 use strahl_scene::plan::{Plan, PlanLight, Projection, Ray};
 use strahl_shader::NOWHERE_MM;
-use strahl_volume::Mesh;
+use strahl_volume::{Cancelled, Control, Mesh};
 
 /// The share of a mesh's colour that is there without light, and the one that follows the light.
 const AMBIENT: f64 = 0.25;
@@ -21,18 +21,19 @@ pub struct Geometry {
 }
 
 /// Draws the meshes of `plan`.
-pub fn draw(plan: &Plan, meshes: &[&Mesh]) -> Geometry {
+pub fn draw(plan: &Plan, meshes: &[Mesh], control: &Control) -> Result<Geometry, Cancelled> {
     let (width, height) = (plan.width, plan.height);
     let pixels = width as usize * height as usize;
     let mut nearest = vec![f64::INFINITY; pixels];
     let mut color = vec![plan.background; pixels];
     for placed in &plan.meshes {
-        let mesh = meshes[placed.mesh];
+        let mesh = &meshes[placed.mesh];
         let map = placed.world_from_mesh;
         // Normals go by the inverse transpose.
         let normal_map = map.matrix3.inverse().transpose();
         let double = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
         for triangle in mesh.triangles() {
+            control.check()?;
             let own = triangle.map(|i| double(mesh.positions()[i as usize]));
             let corners = own.map(|p| map.transform_point3(p));
             let own_face = (own[1] - own[0]).cross(own[2] - own[0]);
@@ -63,10 +64,10 @@ pub fn draw(plan: &Plan, meshes: &[&Mesh]) -> Geometry {
         }
     }
     let distance = |t: f64| if t.is_finite() { t as f32 } else { NOWHERE_MM };
-    Geometry {
+    Ok(Geometry {
         distance_mm: nearest.into_iter().map(distance).collect(),
         color,
-    }
+    })
 }
 
 /// Columns and rows of the pixels that a triangle may cover.

@@ -7,14 +7,14 @@
 //! what a graphics processor draws: interpolation is exact, and the bytes are the same on any number of threads.
 //!
 //! ```
-//! use strahl_evaluate::{Evaluator, no_progress};
+//! use strahl_evaluate::Evaluator;
 //! use strahl_scene::{Scene, resolve};
-//! use strahl_volume::Phantom;
+//! use strahl_volume::{Control, Phantom};
 //!
 //! let volume = Phantom::Tree.volume([32, 32, 32])?;
 //! let scene = Scene::parse("scene", r#"{ "size": [64, 48] }"#)?;
 //! let plan = resolve(&scene, &volume.header(), None)?;
-//! let picture = Evaluator::new(&volume).render(&plan, no_progress)?;
+//! let picture = Evaluator::new(&volume).render(&plan, &Control::NONE)?;
 //! assert_eq!((picture.image.width(), picture.image.height()), (64, 48));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -46,9 +46,7 @@ use code::{BLOCK, Lanes};
 use data::Data;
 use rayon::prelude::*;
 use run::State;
-use std::ops::ControlFlow;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 use strahl_program::{
     Frame, Functions, Object, Order, Slices, Slicing, Table2d, noise_tile, tables, visible_bricks,
@@ -56,20 +54,14 @@ use strahl_program::{
 use strahl_scene::Image;
 use strahl_scene::plan::Plan;
 use strahl_shader::{Linker, NOWHERE_MM, Program, RayLoop, TABLE_ROW, Texels, bindings, ray_loop};
-use strahl_volume::Datasets;
+use strahl_volume::{Control, Datasets, Parts, Store, Work};
 use varyings::Inputs;
 
-/// A function that does nothing with the progress and never ends the picture.
-pub fn no_progress(_drawn: usize, _total: usize) -> ControlFlow<()> {
-    ControlFlow::Continue(())
-}
-
-/// Draws Plans of the same data.
+/// Draws Plans of the same data. What it makes of the data for that it keeps in a [`Store`], for the next picture.
 #[derive(Debug)]
-pub struct Evaluator<'v> {
-    datasets: Datasets<'v>,
-    /// Made when the first picture is drawn.
-    data: Option<Data<'v>>,
+pub struct Evaluator {
+    datasets: Datasets,
+    store: Arc<Store>,
     linker: Linker,
 }
 
@@ -85,45 +77,47 @@ pub struct Rendered {
     pub seconds: f64,
 }
 
-impl<'v> Evaluator<'v> {
+impl Evaluator {
     /// Draws from `data`, which it reads in place.
-    pub fn new(data: impl Into<Datasets<'v>>) -> Evaluator<'v> {
+    pub fn new(data: impl Into<Datasets>) -> Evaluator {
+        Evaluator::with_store(data, Arc::default())
+    }
+
+    /// The same with what others make of the data, and share.
+    pub fn with_store(data: impl Into<Datasets>, store: Arc<Store>) -> Evaluator {
         Evaluator {
             datasets: data.into(),
-            data: None,
+            store,
             linker: Linker::new(),
         }
     }
 
+    /// Draws from other data from now on; programs stay linked.
+    pub fn set_data(&mut self, data: impl Into<Datasets>) {
+        self.datasets = data.into();
+    }
+
     /// The program that draws `plan`, and its uniform block.
     fn program(&mut self, plan: &Plan) -> Result<(Arc<Program>, Vec<u8>), Error> {
-        let data = ready(&mut self.data, &self.datasets, plan)?;
-        let threshold = |mask, threshold| data.mask_threshold(mask, threshold);
-        let functions = Functions::of(plan, false, threshold)?;
+        let functions = self.functions(plan)?;
         let skeleton = ray_loop(&RayLoop {
-            volumes: vec![Texels::UnfilterableFloat; data.volumes()],
-            objects: plan.layers.len(),
-            is_before_geometry: !plan.meshes.is_empty(),
-            is_finite: data.are_finite() && functions.selection.is_built_in(),
+            is_finite: data::are_finite(&self.datasets) && functions.selection.is_built_in(),
+            ..self.loop_of(plan)?
         })?;
         let program = self.linker.link(&skeleton, &functions.selection)?;
         let parameters = functions.parameters(&program)?;
         Ok((program, parameters))
     }
 
-    /// Draws `plan`. `progress` is told the rows drawn and all rows, and may end the picture.
+    /// Draws `plan`, under `control`.
     ///
     /// # Errors
     /// The Plan belongs to other data, its functions cannot be linked or do what is not covered, or
-    /// `progress` says stop.
-    pub fn render(
-        &mut self,
-        plan: &Plan,
-        progress: impl Fn(usize, usize) -> ControlFlow<()> + Sync,
-    ) -> Result<Rendered, Error> {
+    /// `control` was cancelled.
+    pub fn render(&mut self, plan: &Plan, control: &Control) -> Result<Rendered, Error> {
         let start = Instant::now();
         let (program, parameters) = self.program(plan)?;
-        let mut rendered = self.render_by(plan, &program, &parameters, &[], progress)?;
+        let mut rendered = self.render_by(plan, &program, &parameters, &[], control)?;
         rendered.seconds = start.elapsed().as_secs_f64();
         Ok(rendered)
     }
@@ -132,9 +126,9 @@ impl<'v> Evaluator<'v> {
     ///
     /// # Errors
     /// The Plan belongs to other data.
-    pub fn functions(&mut self, plan: &Plan) -> Result<Functions, Error> {
-        let data = ready(&mut self.data, &self.datasets, plan)?;
-        let threshold = |mask, threshold| data.mask_threshold(mask, threshold);
+    pub fn functions(&self, plan: &Plan) -> Result<Functions, Error> {
+        data::check(&self.datasets, plan)?;
+        let threshold = |mask, threshold| data::mask_threshold(&self.datasets, mask, threshold);
         Ok(Functions::of(plan, false, threshold)?)
     }
 
@@ -142,10 +136,10 @@ impl<'v> Evaluator<'v> {
     ///
     /// # Errors
     /// The Plan belongs to other data.
-    pub fn loop_of(&mut self, plan: &Plan) -> Result<RayLoop, Error> {
-        let data = ready(&mut self.data, &self.datasets, plan)?;
+    pub fn loop_of(&self, plan: &Plan) -> Result<RayLoop, Error> {
+        data::check(&self.datasets, plan)?;
         Ok(RayLoop {
-            volumes: vec![Texels::UnfilterableFloat; data.volumes()],
+            volumes: vec![Texels::UnfilterableFloat; self.datasets.volumes.len()],
             objects: plan.layers.len(),
             is_before_geometry: !plan.meshes.is_empty(),
             is_finite: false,
@@ -164,27 +158,21 @@ impl<'v> Evaluator<'v> {
         parameters: &[u8],
         textures: &[Table2d],
         slicing: &Slicing,
-        progress: impl Fn(usize, usize) -> ControlFlow<()> + Sync,
+        control: &Control,
     ) -> Result<Rendered, Error> {
         let start = Instant::now();
         let slices = Slices::of(plan, slicing.order)?;
-        let data = ready(&mut self.data, &self.datasets, plan)?;
-        let mut scenery = Scenery::new(plan, data, program, parameters, textures)?;
+        let data = Data::new(&self.datasets, plan, &self.store, control)?;
+        let under = (&*self.store, control);
+        let mut scenery = Scenery::new(plan, &data, program, parameters, textures, under)?;
         scenery.frame.first_slice = slices.first;
         let frames = plan.lattice.frames;
         let height = plan.height as usize;
-        let drawn = AtomicUsize::new(0);
-        let rows_drawn = |rows: usize| {
-            let drawn = drawn.fetch_add(rows, Ordering::Relaxed) + rows;
-            match progress(drawn, frames as usize * height) {
-                ControlFlow::Continue(()) => Ok(()),
-                ControlFlow::Break(()) => Err(Error::Cancelled),
-            }
-        };
+        let rows = control.parts(Work::Drawing, frames as usize * height);
         let mut sums = vec![[0.0f64; 4]; plan.width as usize * height];
         for number in 0..frames {
             scenery.set_frame(number)?;
-            let pixels = scenery.draw_slices(plan, slices, slicing, &rows_drawn)?;
+            let pixels = scenery.draw_slices(plan, slices, slicing, &rows)?;
             for (sum, pixel) in sums.iter_mut().zip(pixels) {
                 let passing = 1.0 - pixel[3];
                 for (c, sum) in sum.iter_mut().enumerate() {
@@ -213,11 +201,12 @@ impl<'v> Evaluator<'v> {
         program: &Arc<Program>,
         parameters: &[u8],
         textures: &[Table2d],
-        progress: impl Fn(usize, usize) -> ControlFlow<()> + Sync,
+        control: &Control,
     ) -> Result<Rendered, Error> {
         let start = Instant::now();
-        let data = ready(&mut self.data, &self.datasets, plan)?;
-        let mut scenery = Scenery::new(plan, data, program, parameters, textures)?;
+        let data = Data::new(&self.datasets, plan, &self.store, control)?;
+        let under = (&*self.store, control);
+        let mut scenery = Scenery::new(plan, &data, program, parameters, textures, under)?;
         let entry = if plan.with_depth {
             "fragment_with_depth"
         } else {
@@ -228,17 +217,10 @@ impl<'v> Evaluator<'v> {
         let frames = plan.lattice.frames;
         let mut sums = vec![[0.0f64; 4]; if frames == 1 { 0 } else { width * height }];
         let mut depth_mm = plan.with_depth.then(|| vec![f32::INFINITY; width * height]);
-        let drawn = AtomicUsize::new(0);
-        let row_drawn = |rows: usize| {
-            let drawn = drawn.fetch_add(rows, Ordering::Relaxed) + rows;
-            match progress(drawn, frames as usize * height) {
-                ControlFlow::Continue(()) => Ok(()),
-                ControlFlow::Break(()) => Err(Error::Cancelled),
-            }
-        };
+        let rows = control.parts(Work::Drawing, frames as usize * height);
         for number in 0..frames {
             scenery.set_frame(number)?;
-            let (frame, depth) = scenery.draw(entry, plan, &row_drawn)?;
+            let (frame, depth) = scenery.draw(entry, plan, &rows)?;
             if frames == 1 {
                 pixels = frame;
             } else {
@@ -274,28 +256,13 @@ impl<'v> Evaluator<'v> {
     }
 }
 
-/// The data, made when it is first asked for, with all that `plan` reads of it.
-fn ready<'a, 'v>(
-    data: &'a mut Option<Data<'v>>,
-    datasets: &Datasets<'v>,
-    plan: &Plan,
-) -> Result<&'a Data<'v>, Error> {
-    let made = match data.take() {
-        Some(made) => made,
-        None => Data::new(datasets.clone())?,
-    };
-    let made = data.insert(made);
-    made.check(plan)?;
-    made.make_coefficients(plan)?;
-    Ok(made)
-}
-
 /// A program with all that it reads of a Plan and its data.
 struct Scenery<'a> {
     machine: Machine<'a>,
     frame: Frame,
     objects: Vec<Object>,
     distance_mm: Option<Vec<f32>>,
+    control: Control,
 }
 
 /// Everything that a program may read is here, whether it does or not.
@@ -304,23 +271,29 @@ const GROUP: u32 = 0;
 impl<'a> Scenery<'a> {
     fn new(
         plan: &Plan,
-        data: &'a Data,
+        data: &'a Data<'a>,
         program: &'a Program,
         parameters: &[u8],
         textures: &[Table2d],
+        (store, control): (&Store, &Control),
     ) -> Result<Scenery<'a>, Error> {
         let frame = Frame::of(plan);
         let mut objects: Vec<_> = plan
             .drawn_fields()
             .enumerate()
             .map(|(layer, field)| {
-                let (slope, intercept) = data.value_of_texel(plan, field);
+                let (slope, intercept) = data.value_of_texel(field);
                 Object::of(plan, layer, slope, intercept)
             })
             .collect();
         let entries = tables(plan, &mut objects);
-        let (brick_dims, bricks) = visible_bricks(plan, &mut objects, |i| data.bricks(plan, i));
-        let geometry = (!plan.meshes.is_empty()).then(|| geometry::draw(plan, &data.meshes));
+        let of_objects = data.of_objects(plan);
+        let of_object = |i: usize| of_objects[i];
+        let (brick_dims, bricks) = visible_bricks(plan, &mut objects, of_object, store, control)?;
+        let geometry = match plan.meshes.is_empty() {
+            true => None,
+            false => Some(geometry::draw(plan, data.meshes(), control)?),
+        };
         let mut resources = Resources::new();
         for binding in program.bindings() {
             let flat = |numbers: Vec<f32>, [width, height]: [u32; 2], channels| {
@@ -389,7 +362,7 @@ impl<'a> Scenery<'a> {
                         });
                     }
                     let kind = texel_kind(program.naga(), binding);
-                    Ok(Resource::Texture(data.volume(plan, volume, kind)?))
+                    Ok(Resource::Texture(data.volume(volume, kind)?))
                 }
             };
             resources.put(GROUP, binding, resource?);
@@ -399,6 +372,7 @@ impl<'a> Scenery<'a> {
             frame,
             objects,
             distance_mm: geometry.map(|geometry| geometry.distance_mm),
+            control: control.clone(),
         })
     }
 
@@ -416,11 +390,11 @@ impl<'a> Scenery<'a> {
         &self,
         entry: &str,
         plan: &Plan,
-        rows_drawn: &(dyn Fn(usize) -> Result<(), Error> + Sync),
+        rows_drawn: &Parts,
     ) -> Result<(Vec<[f32; 4]>, Vec<f32>), Error> {
         let (width, height) = (plan.width as usize, plan.height as usize);
         let code = self.machine.code(entry)?;
-        let run = self.machine.prepared(&code);
+        let run = self.machine.prepared(&code).under(&self.control);
         let inputs = Inputs::of(&self.machine, entry, 1, [plan.width, plan.height])?;
         let mut pixels = vec![[0.0; 4]; width * height];
         let mut depth_mm = vec![NOWHERE_MM; if plan.with_depth { width * height } else { 0 }];
@@ -442,6 +416,7 @@ impl<'a> Scenery<'a> {
                     let rows = pixels.len() / width;
                     for left in (0..width).step_by(BLOCK) {
                         let active = in_picture([width - left, rows]);
+                        self.control.check()?;
                         inputs.set(0, [left, row * BLOCK], &code, &mut state.registers);
                         let killed = state.run(active)?;
                         for lane in 0..code::LANES {
@@ -459,7 +434,7 @@ impl<'a> Scenery<'a> {
                             }
                         }
                     }
-                    rows_drawn(rows)
+                    Ok(rows_drawn.done(rows)?)
                 },
             )?;
         Ok((pixels, depth_mm))
@@ -471,12 +446,12 @@ impl<'a> Scenery<'a> {
         plan: &Plan,
         slices: Slices,
         slicing: &Slicing,
-        rows_drawn: &(dyn Fn(usize) -> Result<(), Error> + Sync),
+        rows_drawn: &Parts,
     ) -> Result<Vec<[f32; 4]>, Error> {
         debug_assert_eq!(slices.direction > 0, slicing.order == Order::FrontToBack);
         let (width, height) = (plan.width as usize, plan.height as usize);
         let code = self.machine.code("fragment")?;
-        let run = self.machine.prepared(&code);
+        let run = self.machine.prepared(&code).under(&self.control);
         let size = [plan.width, plan.height];
         let inputs = Inputs::of(&self.machine, "fragment", slices.count, size)?;
         let mut pixels = vec![slicing.start; width * height];
@@ -489,6 +464,7 @@ impl<'a> Scenery<'a> {
                     let rows = pixels.len() / width;
                     for left in (0..width).step_by(BLOCK) {
                         let active = in_picture([width - left, rows]);
+                        self.control.check()?;
                         for slice in 0..slices.count as usize {
                             inputs.set(slice, [left, row * BLOCK], &code, &mut state.registers);
                             let killed = state.run(active)?;
@@ -506,7 +482,7 @@ impl<'a> Scenery<'a> {
                             }
                         }
                     }
-                    rows_drawn(rows)
+                    Ok(rows_drawn.done(rows)?)
                 },
             )?;
         Ok(pixels)

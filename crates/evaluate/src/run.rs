@@ -3,7 +3,7 @@
 use crate::code::*;
 use crate::error::Error;
 use crate::resources::{Address, Filter, Numbers, Resource, Resources, Texture};
-use strahl_volume::Samples;
+use strahl_volume::{Control, Samples};
 
 /// Turns after which a loop counts as endless: more than a ray has lattice points.
 pub const MOST_TURNS: u32 = 1 << 25;
@@ -14,6 +14,8 @@ pub struct Run<'a> {
     resources: &'a Resources<'a>,
     blocks: &'a [Vec<u32>],
     uniform: Vec<Lanes>,
+    /// Asked at every turn of a loop.
+    control: Control,
 }
 
 impl<'a> Run<'a> {
@@ -24,6 +26,7 @@ impl<'a> Run<'a> {
             resources,
             blocks,
             uniform: vec![Lanes::NONE; code.uniform_registers],
+            control: Control::NONE,
         };
         for (reg, bits) in &code.constants {
             run.uniform[*reg as usize] = Lanes([*bits; LANES]);
@@ -34,6 +37,14 @@ impl<'a> Run<'a> {
         state.registers.truncate(code.uniform_registers);
         run.uniform = state.registers;
         run
+    }
+
+    /// The same under `control`.
+    pub fn under(self, control: &Control) -> Run<'a> {
+        Run {
+            control: control.clone(),
+            ..self
+        }
     }
 }
 
@@ -161,6 +172,7 @@ impl<'a> State<'a> {
                         if !self.is_any {
                             break;
                         }
+                        self.run.control.check()?;
                         turns += 1;
                         if turns >= MOST_TURNS {
                             return Err(Error::Endless(MOST_TURNS));

@@ -4,9 +4,10 @@
 //!     cargo bench -p strahl-gpu
 
 use std::sync::Arc;
-use strahl_gpu::{Device, Renderer, no_progress};
+use strahl_gpu::{Device, Renderer};
 use strahl_scene::{Scene, resolve};
 use strahl_shader::{Linker, Selection, Skeleton};
+use strahl_volume::Control;
 use strahl_volume::Phantom;
 
 const ROUNDS: usize = 15;
@@ -49,15 +50,15 @@ fn main() {
     for (phantom, edge) in [(Phantom::Tree, 128), (Phantom::Anatomy, 128)] {
         let volume = phantom.volume([edge; 3]).unwrap();
         let plan = resolve(&scene, &volume.header(), None).unwrap();
-        let mut renderer = Renderer::new(&device, &volume).unwrap();
+        let mut renderer = Renderer::new(&device, &volume);
         let (mut linked, mut by_hand) = (Vec::new(), Vec::new());
         let mut off = 0.0f32;
         for round in 0..=ROUNDS {
             let start = cpu_seconds();
-            let a = renderer.render(&plan, no_progress).unwrap();
+            let a = renderer.render(&plan, &Control::NONE).unwrap();
             let middle = cpu_seconds();
             let b = renderer
-                .render_by(&plan, &hand_written, &settings, &[], no_progress)
+                .render_by(&plan, &hand_written, &settings, &[], &Control::NONE)
                 .unwrap();
             // The first round makes pipelines.
             if round > 0 {

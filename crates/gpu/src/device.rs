@@ -1,8 +1,10 @@
 //! Adapters and the device that draws.
 
 use crate::error::Error;
+use crate::signal::Signal;
 use std::fmt;
 use std::sync::{Arc, Mutex, PoisonError};
+use strahl_volume::Store;
 
 /// An adapter of this machine.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -41,14 +43,15 @@ impl Adapter {
 
 /// All adapters, the ones made of silicon first.
 pub fn adapters() -> Vec<Adapter> {
-    found().iter().map(Adapter::of).collect()
+    let found = pollster::block_on(found());
+    found.iter().map(Adapter::of).collect()
 }
 
-fn found() -> Vec<wgpu::Adapter> {
+async fn found() -> Vec<wgpu::Adapter> {
     let mut description = wgpu::InstanceDescriptor::new_without_display_handle();
     description.backends = wgpu::Backends::PRIMARY | wgpu::Backends::SECONDARY;
     let instance = wgpu::Instance::new(description);
-    let mut found = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()));
+    let mut found = instance.enumerate_adapters(wgpu::Backends::all()).await;
     found.sort_by_key(|adapter| {
         let info = adapter.get_info();
         let kind = match info.device_type {
@@ -62,14 +65,18 @@ fn found() -> Vec<wgpu::Adapter> {
     found
 }
 
-/// An open adapter.
-#[derive(Debug)]
+/// An open adapter. Clones are the same device.
+#[derive(Clone, Debug)]
 pub struct Device {
     pub(crate) device: wgpu::Device,
     pub(crate) queue: wgpu::Queue,
-    adapter: Adapter,
+    adapter: Arc<Adapter>,
     trouble: Arc<Mutex<Option<Trouble>>>,
+    store: Arc<Store>,
 }
+
+/// What is kept on a device: 2 GiB.
+const USUAL_BUDGET_BYTES: usize = 2 << 30;
 
 #[derive(Clone, Debug)]
 enum Trouble {
@@ -83,7 +90,15 @@ impl Device {
     /// # Errors
     /// There is none, or it cannot be used.
     pub fn open(name: Option<&str>) -> Result<Device, Error> {
-        let all = found();
+        pollster::block_on(Device::open_async(name))
+    }
+
+    /// As [`Device::open`], where nothing may block: in a web page.
+    ///
+    /// # Errors
+    /// As [`Device::open`].
+    pub async fn open_async(name: Option<&str>) -> Result<Device, Error> {
+        let all = found().await;
         if all.is_empty() {
             return Err(Error::NoAdapter);
         }
@@ -99,24 +114,30 @@ impl Device {
                     .collect::<Vec<_>>()
                     .join("; "),
             })?;
-        let adapter = Adapter::of(chosen);
-        let useful = wgpu::Features::TEXTURE_FORMAT_16BIT_NORM
-            | wgpu::Features::FLOAT32_FILTERABLE
-            | wgpu::Features::FLOAT32_BLENDABLE;
         let description = wgpu::DeviceDescriptor {
             label: Some("strahl"),
-            required_features: chosen.features() & useful,
+            required_features: chosen.features() & Device::USEFUL_FEATURES,
             // The presets allow far smaller volumes than drivers do.
             required_limits: chosen.limits(),
             ..Default::default()
         };
-        let (device, queue) =
-            pollster::block_on(chosen.request_device(&description)).map_err(|why| {
-                Error::Device {
-                    adapter: adapter.to_string(),
-                    why: why.to_string(),
-                }
-            })?;
+        let opened = chosen.request_device(&description).await;
+        let (device, queue) = opened.map_err(|why| Error::Device {
+            adapter: Adapter::of(chosen).to_string(),
+            why: why.to_string(),
+        })?;
+        Ok(Device::from_parts(chosen, device, queue))
+    }
+
+    /// What is used where an adapter has it: filtering of 16- and 32-bit numbers, blending of slices.
+    pub const USEFUL_FEATURES: wgpu::Features = wgpu::Features::TEXTURE_FORMAT_16BIT_NORM
+        .union(wgpu::Features::FLOAT32_FILTERABLE)
+        .union(wgpu::Features::FLOAT32_BLENDABLE);
+
+    /// A device that somebody else opened on `adapter`, and draws with as well: that of a window, say. Ask for
+    /// [`USEFUL_FEATURES`](Device::USEFUL_FEATURES) as far as the adapter has them, and for its limits. From now on
+    /// the device tells its losses and errors here.
+    pub fn from_parts(adapter: &wgpu::Adapter, device: wgpu::Device, queue: wgpu::Queue) -> Device {
         let trouble = Arc::new(Mutex::new(None));
         let seen = trouble.clone();
         device.set_device_lost_callback(move |reason, message| {
@@ -131,12 +152,27 @@ impl Device {
                 .unwrap_or_else(PoisonError::into_inner)
                 .get_or_insert(Trouble::Refused(error.to_string()));
         }));
-        Ok(Device {
+        Device {
             device,
             queue,
-            adapter,
+            adapter: Arc::new(Adapter::of(adapter)),
             trouble,
-        })
+            store: Arc::new(Store::with_budget(USUAL_BUDGET_BYTES)),
+        }
+    }
+
+    /// Gives the device another budget for what is kept on it: volumes, coefficients, meshes. Whatever is there is
+    /// given up.
+    pub fn with_budget(self, budget_bytes: usize) -> Device {
+        Device {
+            store: Arc::new(Store::with_budget(budget_bytes)),
+            ..self
+        }
+    }
+
+    /// What is kept on the device; sizes are those there.
+    pub fn store(&self) -> &Store {
+        &self.store
     }
 
     /// The adapter.
@@ -164,11 +200,21 @@ impl Device {
         }
     }
 
-    /// Waits until everything that was handed in is done.
-    pub(crate) fn wait(&self) -> Result<(), Error> {
-        let done = self.device.poll(wgpu::PollType::wait_indefinitely());
-        self.check()?;
-        done.map(|_| ())
-            .map_err(|why| Error::Driver(why.to_string()))
+    /// Waits until everything that was handed in is done. A web page does other things meanwhile; elsewhere this
+    /// thread waits, and whatever callbacks wait for has happened then.
+    pub(crate) async fn done(&self) -> Result<(), Error> {
+        let signal = Signal::default();
+        let of_queue = signal.clone();
+        self.queue
+            .on_submitted_work_done(move || of_queue.give(Ok(())));
+        if cfg!(not(target_arch = "wasm32")) {
+            let done = self.device.poll(wgpu::PollType::wait_indefinitely());
+            self.check()?;
+            return done
+                .map(|_| ())
+                .map_err(|why| Error::Driver(why.to_string()));
+        }
+        signal.await.map_err(Error::Driver)?;
+        self.check()
     }
 }

@@ -1,5 +1,7 @@
 //! Why there is no picture.
 
+use strahl_volume::Cancelled;
+
 /// An error of this crate.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -88,7 +90,7 @@ pub enum Error {
     },
     /// Coefficients of a B-spline, or the values of a mask, cannot be made.
     #[error(transparent)]
-    Volume(#[from] strahl_volume::Error),
+    Volume(strahl_volume::Error),
     /// The Plan was resolved for another volume.
     #[error(
         "the plan is for a grid of {plan:?} voxels, the volume has {volume:?} (or lies elsewhere); resolve the scene with this volume's header"
@@ -102,7 +104,22 @@ pub enum Error {
     /// The functions cannot be linked.
     #[error(transparent)]
     Shader(#[from] strahl_shader::Error),
-    /// The caller's progress function asked for it.
+    /// Whoever asked for the picture ended it by its [`Control`](strahl_volume::Control).
     #[error("cancelled")]
     Cancelled,
+}
+
+impl From<Cancelled> for Error {
+    fn from(_: Cancelled) -> Error {
+        Error::Cancelled
+    }
+}
+
+impl From<strahl_volume::Error> for Error {
+    fn from(error: strahl_volume::Error) -> Error {
+        match error.is_cancelled() {
+            true => Error::Cancelled,
+            false => Error::Volume(error),
+        }
+    }
 }

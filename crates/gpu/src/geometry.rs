@@ -6,6 +6,7 @@ use crate::pipelines::{COLOR, DISTANCE};
 use crate::target::{PART, Plane};
 use bytemuck::{Pod, Zeroable};
 use glam::{DAffine3, DVec3, Vec3};
+use std::sync::Arc;
 use strahl_program::{rows, single};
 use strahl_scene::plan::{Plan, PlanLight, Projection};
 use strahl_shader::NOWHERE_MM;
@@ -40,46 +41,39 @@ struct Placed {
     color: [f32; 4],
 }
 
-/// Meshes on the device.
+/// A mesh on the device.
 #[derive(Debug)]
-pub struct Meshes {
-    /// Corners of all triangles of each mesh: position and normal.
-    corners: Vec<wgpu::Buffer>,
-    bounds_mm: Vec<(DVec3, DVec3)>,
+pub struct MeshCorners {
+    /// Corners of all triangles: position and normal.
+    corners: wgpu::Buffer,
+    bounds_mm: (DVec3, DVec3),
 }
 
-impl Meshes {
-    pub fn new(device: &Device, meshes: &[&Mesh]) -> Result<Meshes, Error> {
-        let mut corners = Vec::new();
-        for mesh in meshes {
-            let numbers = corners_of(mesh);
-            let bytes: &[u8] = bytemuck::cast_slice(&numbers);
-            let most = device.device.limits().max_buffer_size;
-            if bytes.len() as u64 > most {
-                return Err(Error::MeshTooLarge {
-                    triangles: mesh.triangles().len(),
-                    most: (most / 72) as usize,
-                });
-            }
-            corners.push(
-                device
-                    .device
-                    .create_buffer_init(&wgpu::util::BufferInitDescriptor {
-                        label: Some("mesh"),
-                        contents: bytes,
-                        usage: wgpu::BufferUsages::VERTEX,
-                    }),
-            );
+impl MeshCorners {
+    pub fn new(device: &Device, mesh: &Mesh) -> Result<MeshCorners, Error> {
+        let numbers = corners_of(mesh);
+        let bytes: &[u8] = bytemuck::cast_slice(&numbers);
+        let most = device.device.limits().max_buffer_size;
+        if bytes.len() as u64 > most {
+            return Err(Error::MeshTooLarge {
+                triangles: mesh.triangles().len(),
+                most: (most / 72) as usize,
+            });
         }
-        device.check()?;
-        Ok(Meshes {
-            corners,
-            bounds_mm: meshes.iter().map(|mesh| mesh.bounds_mm()).collect(),
+        let description = wgpu::util::BufferInitDescriptor {
+            label: Some("mesh"),
+            contents: bytes,
+            usage: wgpu::BufferUsages::VERTEX,
+        };
+        Ok(MeshCorners {
+            corners: device.device.create_buffer_init(&description),
+            bounds_mm: mesh.bounds_mm(),
         })
     }
 
-    pub fn len(&self) -> usize {
-        self.corners.len()
+    /// That it takes on the device.
+    pub fn bytes(&self) -> usize {
+        self.corners.size() as usize
     }
 }
 
@@ -113,7 +107,7 @@ pub struct Geometry {
 
 impl Geometry {
     /// The meshes of `plan`, ready to be drawn.
-    pub fn new(device: &Device, meshes: &Meshes, plan: &Plan) -> Geometry {
+    pub fn new(device: &Device, meshes: &[Arc<MeshCorners>], plan: &Plan) -> Geometry {
         let depth_format = wgpu::TextureFormat::Depth32Float;
         let sources: Vec<_> = plan.lights.iter().map(source).collect();
         let sources = if sources.is_empty() {
@@ -216,7 +210,7 @@ impl Geometry {
     }
 
     /// Draws the part whose corner is pixel `origin` of the picture.
-    pub fn draw(&mut self, device: &Device, meshes: &Meshes, origin: [u32; 2]) {
+    pub fn draw(&mut self, device: &Device, meshes: &[Arc<MeshCorners>], origin: [u32; 2]) {
         self.view_numbers.origin = origin.map(|c| c as f32);
         device
             .queue
@@ -255,7 +249,7 @@ impl Geometry {
             });
             pass.set_pipeline(&self.pipeline);
             for (mesh, bindings) in &self.placed {
-                let corners = &meshes.corners[*mesh];
+                let corners = &meshes[*mesh].corners;
                 pass.set_bind_group(0, bindings, &[]);
                 pass.set_vertex_buffer(0, corners.slice(..));
                 pass.draw(0..(corners.size() / 24) as u32, 0..1);
@@ -280,7 +274,7 @@ fn source(light: &PlanLight) -> [[f32; 4]; 2] {
     [[x, y, z, w], [r, g, b, 0.0]]
 }
 
-fn view(plan: &Plan, meshes: &Meshes) -> View {
+fn view(plan: &Plan, meshes: &[Arc<MeshCorners>]) -> View {
     let camera = &plan.camera;
     let (is_perspective, half_height) = match camera.projection {
         Projection::Perspective { tan_half_height } => (1, tan_half_height),
@@ -288,7 +282,7 @@ fn view(plan: &Plan, meshes: &Meshes) -> View {
     };
     let mut far_mm = 1.0f64;
     for placed in &plan.meshes {
-        let (lo, hi) = meshes.bounds_mm[placed.mesh];
+        let (lo, hi) = meshes[placed.mesh].bounds_mm;
         for corner in 0..8 {
             let pick = |axis: usize| {
                 if corner >> axis & 1 == 1 {

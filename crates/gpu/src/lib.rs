@@ -4,9 +4,9 @@
 //! the fragment stage, in strips small enough that no driver loses patience. It needs no window.
 //!
 //! ```
-//! use strahl_gpu::{Device, Renderer, no_progress};
+//! use strahl_gpu::{Device, Renderer};
 //! use strahl_scene::{Scene, resolve};
-//! use strahl_volume::Phantom;
+//! use strahl_volume::{Control, Phantom};
 //!
 //! let device = match Device::open(None) {
 //!     Ok(device) => device,
@@ -15,7 +15,7 @@
 //! let volume = Phantom::Tree.volume([32, 32, 32])?;
 //! let scene = Scene::parse("scene", r#"{ "size": [64, 48] }"#)?;
 //! let plan = resolve(&scene, &volume.header(), None)?;
-//! let picture = Renderer::new(&device, &volume)?.render(&plan, no_progress)?;
+//! let picture = Renderer::new(&device, &volume).render(&plan, &Control::NONE)?;
 //! assert_eq!((picture.image.width(), picture.image.height()), (64, 48));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -27,42 +27,44 @@ mod device;
 mod error;
 mod geometry;
 mod pipelines;
+mod shown;
+mod signal;
 mod target;
 mod volume_texture;
 
 pub use device::{Adapter, Device, adapters};
 pub use error::Error;
+pub use shown::TextureTarget;
 
-use data::Data;
+/// What devices and textures of others are made with.
+pub use wgpu;
+
+use data::{Data, OnDevice};
 use geometry::Geometry;
-use pipelines::{Output, Pipelines, Ready};
-use std::ops::ControlFlow;
+use pipelines::{COLOR, Output, Pipelines, Ready};
+use shown::{Show, Shower};
 use std::sync::Arc;
 use std::time::Instant;
 use strahl_program::{
     Frame, Functions, Object, Slices, Slicing, Table2d, noise_tile, stacked, tables, visible_bricks,
 };
 use strahl_scene::Image;
-use strahl_scene::plan::Plan;
+use strahl_scene::plan::{Compositing, Plan};
 use strahl_shader::{Linker, NOWHERE_MM, Program, RayLoop, TABLE_ROW, bindings, ray_loop};
-use strahl_volume::Datasets;
+use strahl_volume::{Cancelled, Control, Datasets, Store, Work};
 use target::{PART, Target};
 use wgpu::BindingResource::{Sampler, TextureView};
 
-/// A function that does nothing with the progress and never ends the picture.
-pub fn no_progress(_drawn: usize, _total: usize) -> ControlFlow<()> {
-    ControlFlow::Continue(())
-}
-
-/// Draws Plans of the same data.
+/// Draws Plans of the same data. What it copies to the device stays in the [`Device::store`], for the next picture.
 #[derive(Debug)]
-pub struct Renderer<'d, 'v> {
-    device: &'d Device,
-    data: Data<'v>,
+pub struct Renderer {
+    device: Device,
+    data: Data,
     linker: Linker,
     pipelines: Pipelines,
     target: Target,
-    upload_seconds: f64,
+    /// Made when a picture first goes into a texture.
+    shower: Option<Shower>,
 }
 
 /// A picture and what it has cost.
@@ -80,7 +82,7 @@ pub struct Rendered {
 /// What a picture has cost.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Stats {
-    /// Copying the data to the device, once per [`Renderer`].
+    /// Copying data to the device; almost nothing where it was there.
     pub upload_seconds: f64,
     /// Linking the program and making its pipeline; almost nothing for a combination of functions
     /// that was drawn before.
@@ -98,6 +100,8 @@ struct Prepared {
     frame_buffer: wgpu::Buffer,
     bindings: wgpu::BindGroup,
     geometry: Option<Geometry>,
+    data: OnDevice,
+    with_depth: bool,
 }
 
 /// What the rays of `plan` are drawn into.
@@ -108,39 +112,43 @@ fn into(plan: &Plan) -> Output {
     }
 }
 
-impl<'d, 'v> Renderer<'d, 'v> {
-    /// Copies `data`, one volume or more, to the device. A volume with an edge longer than the device's
-    /// largest texture is cut into pages.
-    ///
-    /// # Errors
-    /// The data does not fit, or the driver refuses.
-    pub fn new(
-        device: &'d Device,
-        data: impl Into<Datasets<'v>>,
-    ) -> Result<Renderer<'d, 'v>, Error> {
+impl Renderer {
+    /// Draws from `data`, one volume or more. Nothing is copied to the device before the first picture. A volume with
+    /// an edge longer than the device's largest texture is cut into pages.
+    pub fn new(device: &Device, data: impl Into<Datasets>) -> Renderer {
+        Renderer::with_store(device, data, Arc::default())
+    }
+
+    /// The same with what others make of the data, and share.
+    pub fn with_store(device: &Device, data: impl Into<Datasets>, store: Arc<Store>) -> Renderer {
         let most = device.device.limits().max_texture_dimension_3d;
-        Renderer::with_largest_texture(device, data, most)
+        Renderer {
+            data: Data::new(data.into(), store, most),
+            pipelines: Pipelines::default(),
+            target: Target::new(device),
+            linker: Linker::new(),
+            shower: None,
+            device: device.clone(),
+        }
     }
 
     /// The same on a device whose textures have at most this many voxels along an axis: for tests, and to
     /// leave room for others.
-    ///
-    /// # Errors
-    /// As [`Renderer::new`].
-    pub fn with_largest_texture(
-        device: &'d Device,
-        data: impl Into<Datasets<'v>>,
-        most: u32,
-    ) -> Result<Renderer<'d, 'v>, Error> {
-        let start = Instant::now();
-        Ok(Renderer {
-            data: Data::new(device, data.into(), most)?,
-            pipelines: Pipelines::default(),
-            target: Target::new(device),
-            linker: Linker::new(),
-            device,
-            upload_seconds: start.elapsed().as_secs_f64(),
-        })
+    pub fn with_largest_texture(device: &Device, data: impl Into<Datasets>, most: u32) -> Renderer {
+        Renderer {
+            data: Data::new(data.into(), Arc::default(), most),
+            ..Renderer::new(device, Datasets::default())
+        }
+    }
+
+    /// Draws from other data from now on; programs stay linked.
+    pub fn set_data(&mut self, data: impl Into<Datasets>) {
+        self.data = self.data.of(data.into());
+    }
+
+    /// The device that draws.
+    pub fn device(&self) -> &Device {
+        &self.device
     }
 
     /// The functions of `plan` as this device runs them.
@@ -148,19 +156,21 @@ impl<'d, 'v> Renderer<'d, 'v> {
     /// # Errors
     /// As [`Renderer::program`].
     pub fn functions(&self, plan: &Plan) -> Result<Functions, Error> {
-        let threshold = |mask: usize, threshold| self.data.masks[mask].threshold(threshold);
-        Ok(Functions::of(plan, self.data.is_filtered(plan), threshold)?)
+        self.data.check(plan)?;
+        let device = &self.device;
+        let threshold = |mask, threshold| self.data.mask_threshold(device, mask, threshold);
+        let is_filtered = self.data.is_filtered(device, plan);
+        Ok(Functions::of(plan, is_filtered, threshold)?)
     }
 
     /// The ray loop over the data of `plan` as this device holds it.
     ///
     /// # Errors
     /// The Plan belongs to other data.
-    pub fn loop_of(&mut self, plan: &Plan) -> Result<RayLoop, Error> {
+    pub fn loop_of(&self, plan: &Plan) -> Result<RayLoop, Error> {
         self.data.check(plan)?;
-        self.data.make_coefficients(self.device, plan)?;
         Ok(RayLoop {
-            volumes: self.data.texels(plan),
+            volumes: self.data.texels(&self.device, plan),
             objects: plan.layers.len(),
             is_before_geometry: !plan.meshes.is_empty(),
             is_finite: self.data.are_finite() && plan.modules.is_empty(),
@@ -177,8 +187,6 @@ impl<'d, 'v> Renderer<'d, 'v> {
     /// # Errors
     /// The Plan belongs to other data, or its functions cannot be linked.
     pub fn program(&mut self, plan: &Plan) -> Result<Arc<Program>, Error> {
-        self.data.check(plan)?;
-        self.data.make_coefficients(self.device, plan)?;
         let functions = self.functions(plan)?;
         self.link(plan, &functions)
     }
@@ -190,27 +198,38 @@ impl<'d, 'v> Renderer<'d, 'v> {
     /// As [`Renderer::program`]; the driver refuses the program.
     pub fn is_ready(&mut self, plan: &Plan) -> Result<bool, Error> {
         let program = self.program(plan)?;
-        let texels = self.data.texels(plan);
+        let texels = self.data.texels(&self.device, plan);
         self.pipelines
-            .is_ready(self.device, &program, &texels, into(plan))
+            .is_ready(&self.device, &program, &texels, into(plan))
     }
 
-    /// Draws `plan`. `progress` is told the rows drawn and all rows, and may end the picture.
+    /// Draws `plan`, under `control`.
     ///
     /// # Errors
-    /// The Plan belongs to other data, the device is lost or refuses, or `progress` says stop.
-    pub fn render(
+    /// The Plan belongs to other data, this does not fit the device, the device is lost or refuses, or `control` was
+    /// cancelled.
+    pub fn render(&mut self, plan: &Plan, control: &Control) -> Result<Rendered, Error> {
+        pollster::block_on(self.render_async(plan, control))
+    }
+
+    /// As [`Renderer::render`], where nothing may block: in a web page.
+    ///
+    /// # Errors
+    /// As [`Renderer::render`].
+    pub async fn render_async(
         &mut self,
         plan: &Plan,
-        progress: impl Fn(usize, usize) -> ControlFlow<()>,
+        control: &Control,
     ) -> Result<Rendered, Error> {
         let start = Instant::now();
         let program = self.program(plan)?;
         let parameters = self.functions(plan)?.parameters(&program)?;
-        let mut rendered = self.render_by(plan, &program, &parameters, &[], progress)?;
+        let drawing = self.render_by_async(plan, &program, &parameters, &[], control);
+        let mut rendered = drawing.await?;
         let all = start.elapsed().as_secs_f64();
         let stats = &mut rendered.stats;
-        stats.link_seconds = all - stats.prepare_seconds - stats.draw_seconds;
+        let others = stats.upload_seconds + stats.prepare_seconds + stats.draw_seconds;
+        stats.link_seconds = all - others;
         Ok(rendered)
     }
 
@@ -226,19 +245,37 @@ impl<'d, 'v> Renderer<'d, 'v> {
         program: &Arc<Program>,
         parameters: &[u8],
         textures: &[Table2d],
-        progress: impl Fn(usize, usize) -> ControlFlow<()>,
+        control: &Control,
+    ) -> Result<Rendered, Error> {
+        let drawing = self.render_by_async(plan, program, parameters, textures, control);
+        pollster::block_on(drawing)
+    }
+
+    /// As [`Renderer::render_by`], where nothing may block.
+    ///
+    /// # Errors
+    /// As [`Renderer::render`].
+    pub async fn render_by_async(
+        &mut self,
+        plan: &Plan,
+        program: &Arc<Program>,
+        parameters: &[u8],
+        textures: &[Table2d],
+        control: &Control,
     ) -> Result<Rendered, Error> {
         let start = Instant::now();
         self.data.check(plan)?;
-        self.data.make_coefficients(self.device, plan)?;
-        let texels = self.data.texels(plan);
+        let data = self.data.on_device(&self.device, plan, control).await?;
+        let uploaded = Instant::now();
+        let texels = self.data.texels(&self.device, plan);
         let ready = self
             .pipelines
-            .of(self.device, program, &texels, into(plan))?;
+            .of(&self.device, program, &texels, into(plan))?;
         let linked = Instant::now();
-        let mut prepared = self.prepare(plan, program, &ready, parameters, textures);
+        let read = (parameters, textures, data);
+        let mut prepared = self.prepare(plan, program, &ready, read, control)?;
         if plan.with_depth {
-            self.target.with_depth(self.device);
+            self.target.with_depth(&self.device);
         }
         self.device.check()?;
         let prepared_at = Instant::now();
@@ -248,14 +285,15 @@ impl<'d, 'v> Renderer<'d, 'v> {
         let frames = plan.lattice.frames;
         let mut sums = vec![[0.0f64; 4]; if frames == 1 { 0 } else { width * height }];
         let mut depth_mm = plan.with_depth.then(|| vec![f32::INFINITY; width * height]);
-        let mut drawn = 0;
+        let rows_drawn = control.parts(Work::Drawing, frames as usize * height);
         for number in 0..frames {
             prepared.frame.number = number;
             for y in (0..plan.height).step_by(PART as usize) {
                 for x in (0..plan.width).step_by(PART as usize) {
                     let size = [PART.min(plan.width - x), PART.min(plan.height - y)];
-                    self.draw_part(&mut prepared, &ready, [x, y], size, plan.with_depth)?;
-                    let color = self.target.color.read(self.device, size[1])?;
+                    self.draw_part(&mut prepared, &ready, [x, y], size, control)
+                        .await?;
+                    let color = self.target.color.read(&self.device, size[1]).await?;
                     for row in 0..size[1] {
                         let start = (y + row) as usize * width + x as usize;
                         let place = start..start + size[0] as usize;
@@ -273,13 +311,11 @@ impl<'d, 'v> Renderer<'d, 'v> {
                     if number == 0
                         && let Some(depth_mm) = &mut depth_mm
                     {
-                        self.read_depth(&prepared, [x, y], size, width, depth_mm)?;
+                        self.read_depth(&prepared, [x, y], size, width, depth_mm)
+                            .await?;
                     }
                 }
-                drawn += PART.min(plan.height - y) as usize;
-                if progress(drawn, frames as usize * height).is_break() {
-                    return Err(Error::Cancelled);
-                }
+                rows_drawn.done(PART.min(plan.height - y) as usize)?;
             }
         }
         for (pixel, sum) in pixels.iter_mut().zip(&sums) {
@@ -290,12 +326,134 @@ impl<'d, 'v> Renderer<'d, 'v> {
                 .into_linear(plan.compositing),
             depth_mm,
             stats: Stats {
-                upload_seconds: self.upload_seconds,
-                link_seconds: (linked - start).as_secs_f64(),
+                upload_seconds: (uploaded - start).as_secs_f64(),
+                link_seconds: (linked - uploaded).as_secs_f64(),
                 prepare_seconds: (prepared_at - linked).as_secs_f64(),
                 draw_seconds: prepared_at.elapsed().as_secs_f64(),
             },
         })
+    }
+
+    /// Draws `plan` into a texture of the caller's, on this renderer's device, under `control`. The picture does not
+    /// come to memory; distances are not drawn.
+    ///
+    /// # Errors
+    /// As [`Renderer::render`]; the texture is smaller than the picture or cannot be drawn into.
+    pub fn render_into(
+        &mut self,
+        plan: &Plan,
+        target: &TextureTarget,
+        control: &Control,
+    ) -> Result<Stats, Error> {
+        pollster::block_on(self.render_into_async(plan, target, control))
+    }
+
+    /// As [`Renderer::render_into`], where nothing may block: in a web page.
+    ///
+    /// # Errors
+    /// As [`Renderer::render_into`].
+    pub async fn render_into_async(
+        &mut self,
+        plan: &Plan,
+        target: &TextureTarget<'_>,
+        control: &Control,
+    ) -> Result<Stats, Error> {
+        let start = Instant::now();
+        let program = self.program(plan)?;
+        let parameters = self.functions(plan)?.parameters(&program)?;
+        let data = self.data.on_device(&self.device, plan, control).await?;
+        let uploaded = Instant::now();
+        let texels = self.data.texels(&self.device, plan);
+        let ready = self
+            .pipelines
+            .of(&self.device, &program, &texels, Output::Color)?;
+        let linked = Instant::now();
+        let read = (&parameters[..], &[][..], data);
+        let mut prepared = self.prepare(plan, &program, &ready, read, control)?;
+        prepared.with_depth = false;
+        self.device.check()?;
+        let prepared_at = Instant::now();
+        let mut shower = match self.shower.take() {
+            Some(shower) => shower,
+            None => Shower::new(&self.device),
+        };
+        let parts = plan.height.div_ceil(PART) * plan.width.div_ceil(PART);
+        let parts = control.parts(Work::Drawing, parts as usize);
+        for y in (0..plan.height).step_by(PART as usize) {
+            for x in (0..plan.width).step_by(PART as usize) {
+                let place = [x, y];
+                self.draw_shown_part(
+                    plan,
+                    &mut prepared,
+                    &ready,
+                    place,
+                    target,
+                    &mut shower,
+                    control,
+                )
+                .await?;
+                parts.done(1)?;
+            }
+        }
+        self.device.done().await?;
+        self.shower = Some(shower);
+        Ok(Stats {
+            upload_seconds: (uploaded - start).as_secs_f64(),
+            link_seconds: (linked - uploaded).as_secs_f64(),
+            prepare_seconds: (prepared_at - linked).as_secs_f64(),
+            draw_seconds: prepared_at.elapsed().as_secs_f64(),
+        })
+    }
+
+    /// Draws all frames of a part, and their mean into `target`.
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "what a part is drawn with, and into"
+    )]
+    async fn draw_shown_part(
+        &mut self,
+        plan: &Plan,
+        prepared: &mut Prepared,
+        ready: &Ready,
+        [x, y]: [u32; 2],
+        target: &TextureTarget<'_>,
+        shower: &mut Shower,
+        control: &Control,
+    ) -> Result<(), Error> {
+        let size = [PART.min(plan.width - x), PART.min(plan.height - y)];
+        let frames = plan.lattice.frames;
+        let sums = [0, 1].map(|i: usize| shower.sums[i].view.clone());
+        let nothing = shower.nothing.clone();
+        for number in 0..frames {
+            prepared.frame.number = number;
+            self.draw_part(prepared, ready, [x, y], size, control)
+                .await?;
+            let before = match number {
+                0 => &nothing,
+                number => &sums[number as usize % 2],
+            };
+            let read = [&self.target.color.view, before];
+            if number + 1 < frames {
+                let sum = TextureTarget {
+                    view: &sums[(number as usize + 1) % 2],
+                    format: COLOR,
+                };
+                let how = Show {
+                    origin: [0.0; 2],
+                    weight: 1.0,
+                    is_encoded: 0,
+                };
+                shower.show(&self.device, read, how, size, &sum);
+                continue;
+            }
+            let how = Show {
+                origin: [x as f32, y as f32],
+                weight: 1.0 / frames as f32,
+                is_encoded: u32::from(plan.compositing == Compositing::Display),
+            };
+            shower.show(&self.device, read, how, size, target);
+        }
+        self.device.check()
     }
 
     /// Draws `plan` by slices that are blended as `slicing` says. `program` is that of a slice; else as
@@ -310,7 +468,22 @@ impl<'d, 'v> Renderer<'d, 'v> {
         parameters: &[u8],
         textures: &[Table2d],
         slicing: &Slicing,
-        progress: impl Fn(usize, usize) -> ControlFlow<()>,
+        control: &Control,
+    ) -> Result<Rendered, Error> {
+        let of = (program, parameters, textures);
+        pollster::block_on(self.render_slices_by_async(plan, of, slicing, control))
+    }
+
+    /// As [`Renderer::render_slices_by`], where nothing may block.
+    ///
+    /// # Errors
+    /// As [`Renderer::render_slices_by`].
+    pub async fn render_slices_by_async(
+        &mut self,
+        plan: &Plan,
+        (program, parameters, textures): (&Arc<Program>, &[u8], &[Table2d]),
+        slicing: &Slicing,
+        control: &Control,
     ) -> Result<Rendered, Error> {
         let start = Instant::now();
         let slices = Slices::of(plan, slicing.order)?;
@@ -320,19 +493,21 @@ impl<'d, 'v> Renderer<'d, 'v> {
             });
         }
         self.data.check(plan)?;
-        self.data.make_coefficients(self.device, plan)?;
-        let texels = self.data.texels(plan);
+        let data = self.data.on_device(&self.device, plan, control).await?;
+        let uploaded = Instant::now();
+        let texels = self.data.texels(&self.device, plan);
         let into = Output::Slices(slicing.blend);
-        let ready = self.pipelines.of(self.device, program, &texels, into)?;
+        let ready = self.pipelines.of(&self.device, program, &texels, into)?;
         let linked = Instant::now();
-        let mut prepared = self.prepare(plan, program, &ready, parameters, textures);
+        let read = (parameters, textures, data);
+        let mut prepared = self.prepare(plan, program, &ready, read, control)?;
         self.device.check()?;
         let prepared_at = Instant::now();
 
         let (width, height) = (plan.width as usize, plan.height as usize);
         let mut sums = vec![[0.0f64; 4]; width * height];
         let frames = plan.lattice.frames;
-        let mut drawn = 0;
+        let rows_drawn = control.parts(Work::Drawing, frames as usize * height);
         for number in 0..frames {
             prepared.frame.number = number;
             for y in (0..plan.height).step_by(PART as usize) {
@@ -340,19 +515,25 @@ impl<'d, 'v> Renderer<'d, 'v> {
                     let size = [PART.min(plan.width - x), PART.min(plan.height - y)];
                     prepared.frame.origin = [x, y];
                     let (frame, queue) = (&mut prepared.frame, &self.device.queue);
-                    self.target.draw_slices(
-                        self.device,
-                        &ready.pipeline,
-                        &prepared.bindings,
-                        size,
-                        (slices.count, slicing.start),
-                        |before| {
-                            frame.first_slice = slices.first + slices.direction * before as i32;
-                            let bytes = frame.bytes(&prepared.objects);
-                            queue.write_buffer(&prepared.frame_buffer, 0, &bytes);
-                        },
-                    )?;
-                    let color = self.target.color.read(self.device, size[1])?;
+                    let at_slice = |before| {
+                        frame.first_slice = slices.first + slices.direction * before as i32;
+                        let bytes = frame.bytes(&prepared.objects);
+                        queue.write_buffer(&prepared.frame_buffer, 0, &bytes);
+                    };
+                    let (pipeline, bindings) = (&ready.pipeline, &prepared.bindings);
+                    let range = (slices.count, slicing.start);
+                    self.target
+                        .draw_slices(
+                            &self.device,
+                            pipeline,
+                            bindings,
+                            size,
+                            range,
+                            at_slice,
+                            control,
+                        )
+                        .await?;
+                    let color = self.target.color.read(&self.device, size[1]).await?;
                     for row in 0..size[1] {
                         let first = (y + row) as usize * width + x as usize;
                         let place = first..first + size[0] as usize;
@@ -365,10 +546,7 @@ impl<'d, 'v> Renderer<'d, 'v> {
                         }
                     }
                 }
-                drawn += PART.min(plan.height - y) as usize;
-                if progress(drawn, frames as usize * height).is_break() {
-                    return Err(Error::Cancelled);
-                }
+                rows_drawn.done(PART.min(plan.height - y) as usize)?;
             }
         }
         let mean = |sum: [f64; 4]| sum.map(|c| (c / f64::from(frames)) as f32);
@@ -378,41 +556,44 @@ impl<'d, 'v> Renderer<'d, 'v> {
                 .into_linear(plan.compositing),
             depth_mm: None,
             stats: Stats {
-                upload_seconds: self.upload_seconds,
-                link_seconds: (linked - start).as_secs_f64(),
+                upload_seconds: (uploaded - start).as_secs_f64(),
+                link_seconds: (linked - uploaded).as_secs_f64(),
                 prepare_seconds: (prepared_at - linked).as_secs_f64(),
                 draw_seconds: prepared_at.elapsed().as_secs_f64(),
             },
         })
     }
 
-    fn draw_part(
+    async fn draw_part(
         &mut self,
         prepared: &mut Prepared,
         ready: &Ready,
         origin: [u32; 2],
         size: [u32; 2],
-        with_depth: bool,
+        control: &Control,
     ) -> Result<(), Error> {
         prepared.frame.origin = origin;
         let bytes = prepared.frame.bytes(&prepared.objects);
-        self.device
-            .queue
-            .write_buffer(&prepared.frame_buffer, 0, &bytes);
+        let device = &self.device;
+        device.queue.write_buffer(&prepared.frame_buffer, 0, &bytes);
         if let Some(geometry) = &mut prepared.geometry {
-            geometry.draw(self.device, &self.data.meshes, origin);
+            geometry.draw(device, &prepared.data.meshes, origin);
         }
-        self.target.draw(
-            self.device,
-            &ready.pipeline,
-            &prepared.bindings,
-            size,
-            with_depth,
-        )
+        let (pipeline, bindings) = (&ready.pipeline, &prepared.bindings);
+        self.target
+            .draw(
+                device,
+                pipeline,
+                bindings,
+                size,
+                prepared.with_depth,
+                control,
+            )
+            .await
     }
 
     /// The nearer of what the volumes' rays hit and the geometry.
-    fn read_depth(
+    async fn read_depth(
         &self,
         prepared: &Prepared,
         [x, y]: [u32; 2],
@@ -422,7 +603,7 @@ impl<'d, 'v> Renderer<'d, 'v> {
     ) -> Result<(), Error> {
         let geometry = prepared.geometry.as_ref().map(|g| &g.distance);
         for plane in [self.target.depth.as_ref(), geometry].into_iter().flatten() {
-            let rows = plane.read(self.device, size[1])?;
+            let rows = plane.read(&self.device, size[1]).await?;
             for row in 0..size[1] {
                 let start = (y + row) as usize * width + x as usize;
                 let place = start..start + size[0] as usize;
@@ -441,9 +622,9 @@ impl<'d, 'v> Renderer<'d, 'v> {
         plan: &Plan,
         program: &Program,
         ready: &Ready,
-        parameters: &[u8],
-        textures: &[Table2d],
-    ) -> Prepared {
+        (parameters, textures, data): (&[u8], &[Table2d], OnDevice),
+        control: &Control,
+    ) -> Result<Prepared, Error> {
         let frame = Frame {
             // Parts are drawn into a corner of the target.
             viewport: [PART; 2],
@@ -453,16 +634,16 @@ impl<'d, 'v> Renderer<'d, 'v> {
             .drawn_fields()
             .enumerate()
             .map(|(layer, field)| {
-                let (slope, intercept) = self.data.value_of_texel(plan, field);
+                let (slope, intercept) = self.data.value_of_texel(&self.device, plan, field);
                 Object::of(plan, layer, slope, intercept)
             })
             .collect();
         let tables = self.tables(plan, &mut objects);
-        let bricks = self.bricks(plan, &mut objects);
-        let pages = self.pages(plan, &mut objects);
+        let bricks = self.bricks(plan, &mut objects, &data, control)?;
+        let pages = self.pages(plan, &mut objects, &data);
         let tile = self.noise_tile(plan);
         let geometry =
-            (!plan.meshes.is_empty()).then(|| Geometry::new(self.device, &self.data.meshes, plan));
+            (!plan.meshes.is_empty()).then(|| Geometry::new(&self.device, &data.meshes, plan));
         let frame_buffer = self.uniform("frame", &frame.bytes(&objects));
         let parameter_buffer = self.uniform("parameters", parameters);
         let device = &self.device.device;
@@ -513,7 +694,7 @@ impl<'d, 'v> Renderer<'d, 'v> {
                     },
                     _ if binding < bindings::FIRST_VOLUME => {
                         let mask = (binding - bindings::FIRST_MASK) as usize;
-                        TextureView(self.data.masks.get(mask).map_or(&nothing, |m| m.view()))
+                        TextureView(data.mask(mask).unwrap_or(&nothing))
                     }
                     _ if binding >= bindings::FIRST_TEXTURE => {
                         let texture = (binding - bindings::FIRST_TEXTURE) as usize;
@@ -521,7 +702,7 @@ impl<'d, 'v> Renderer<'d, 'v> {
                     }
                     _ => {
                         let volume = (binding - bindings::FIRST_VOLUME) as usize;
-                        TextureView(self.data.view(plan, volume))
+                        TextureView(data.view(volume))
                     }
                 };
                 wgpu::BindGroupEntry { binding, resource }
@@ -532,13 +713,15 @@ impl<'d, 'v> Renderer<'d, 'v> {
             layout: &ready.layout,
             entries: &entries,
         });
-        Prepared {
+        Ok(Prepared {
             frame,
             objects,
             frame_buffer,
             bindings,
             geometry,
-        }
+            data,
+            with_depth: plan.with_depth,
+        })
     }
 
     fn uniform(&self, label: &str, bytes: &[u8]) -> wgpu::Buffer {
@@ -565,22 +748,31 @@ impl<'d, 'v> Renderer<'d, 'v> {
     }
 
     /// Which bricks can be seen, the objects behind one another along z.
-    fn bricks(&self, plan: &Plan, objects: &mut [Object]) -> wgpu::TextureView {
-        let (dims, bytes) = visible_bricks(plan, objects, |i| self.data.bricks(plan, i));
-        self.texture(
+    fn bricks(
+        &self,
+        plan: &Plan,
+        objects: &mut [Object],
+        data: &OnDevice,
+        control: &Control,
+    ) -> Result<wgpu::TextureView, Cancelled> {
+        let of_object = |i: usize| data.bricks(plan.field_of(i).volume);
+        let store = &self.data.store;
+        let (dims, bytes) = visible_bricks(plan, objects, of_object, store, control)?;
+        let view = self.texture(
             "bricks",
             wgpu::TextureDimension::D3,
             wgpu::TextureFormat::R8Uint,
             dims,
             &bytes,
-        )
+        );
+        Ok(view)
     }
 
     /// The page tables of all paged volumes.
-    fn pages(&self, plan: &Plan, objects: &mut [Object]) -> wgpu::TextureView {
+    fn pages(&self, plan: &Plan, objects: &mut [Object], data: &OnDevice) -> wgpu::TextureView {
         let of_object: Vec<_> = plan
             .drawn_fields()
-            .map(|field| match self.data.pages(plan, field.volume) {
+            .map(|field| match data.pages(field.volume) {
                 Some(pages) => {
                     let entries = pages.entries.chunks_exact(2);
                     (pages.dims, entries.map(|e| [e[0], e[1]]).collect())

@@ -3,13 +3,16 @@
 use crate::device::Device;
 use crate::error::Error;
 use crate::pipelines::{COLOR, DISTANCE};
+use crate::signal::Signal;
 use std::time::{Duration, Instant};
+use strahl_volume::Control;
 
 /// Edge of a part in pixels.
 pub const PART: u32 = 512;
 
-/// How long one submission should take: far below the seconds after which drivers reset a device.
-const BUDGET: Duration = Duration::from_millis(100);
+/// How long one submission should take: far below the seconds after which drivers reset a device, and so short that
+/// nobody who cancels a picture waits for one.
+const BUDGET: Duration = Duration::from_millis(12);
 
 /// A texture of the size of a part.
 #[derive(Debug)]
@@ -58,7 +61,7 @@ impl Plane {
     }
 
     /// The first `height` rows.
-    pub fn read(&self, device: &Device, height: u32) -> Result<Rows, Error> {
+    pub async fn read(&self, device: &Device, height: u32) -> Result<Rows, Error> {
         let bytes_per_row = PART * self.texel_bytes;
         let buffer = device.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("picture part"),
@@ -84,19 +87,14 @@ impl Plane {
             },
         );
         device.queue.submit([encoder.finish()]);
-        let (sender, receiver) = std::sync::mpsc::channel();
-        buffer
-            .slice(..)
-            .map_async(wgpu::MapMode::Read, move |result| {
-                // Nobody listens only if the call below has failed.
-                let _ = sender.send(result);
-            });
-        device.wait()?;
-        match receiver.recv() {
-            Ok(Ok(())) => {}
-            Ok(Err(why)) => return Err(Error::Driver(why.to_string())),
-            Err(why) => return Err(Error::Driver(why.to_string())),
-        }
+        let signal = Signal::default();
+        let of_buffer = signal.clone();
+        let mapped = move |result: Result<(), wgpu::BufferAsyncError>| {
+            of_buffer.give(result.map_err(|why| why.to_string()));
+        };
+        buffer.slice(..).map_async(wgpu::MapMode::Read, mapped);
+        device.done().await?;
+        signal.await.map_err(Error::Driver)?;
         let mapped = buffer.slice(..).get_mapped_range();
         let mapped = mapped.map_err(|why| Error::Driver(why.to_string()))?;
         let mut numbers = vec![0.0f32; mapped.len() / 4];
@@ -151,20 +149,22 @@ impl Target {
     }
 
     /// Draws `width` × `height` pixels strip by strip.
-    pub fn draw(
+    pub async fn draw(
         &mut self,
         device: &Device,
         pipeline: &wgpu::RenderPipeline,
         bindings: &wgpu::BindGroup,
         [width, height]: [u32; 2],
         with_depth: bool,
+        control: &Control,
     ) -> Result<(), Error> {
         let mut top = 0;
         while top < height {
+            control.check()?;
             let rows = self.rows.min(height - top);
             let start = Instant::now();
             self.strip(device, pipeline, bindings, [width, top, rows], with_depth);
-            device.wait()?;
+            device.done().await?;
             let took = start.elapsed();
             if took > BUDGET && self.rows > 1 {
                 self.rows /= 2;
@@ -178,7 +178,7 @@ impl Target {
 
     /// Draws slices of `width` × `height` pixels, blended into `start`. `at_slice` is told, before they are drawn,
     /// how many slices there are before those of the next submission.
-    pub fn draw_slices(
+    pub async fn draw_slices(
         &mut self,
         device: &Device,
         pipeline: &wgpu::RenderPipeline,
@@ -186,11 +186,13 @@ impl Target {
         [width, height]: [u32; 2],
         (count, start): (u32, [f32; 4]),
         mut at_slice: impl FnMut(u32),
+        control: &Control,
     ) -> Result<(), Error> {
         let [r, g, b, a] = start.map(f64::from);
         let mut load = wgpu::LoadOp::Clear(wgpu::Color { r, g, b, a });
         let mut drawn = 0;
         while drawn < count || drawn == 0 {
+            control.check()?;
             let slices = self.slices.min(count - drawn);
             let begun = Instant::now();
             at_slice(drawn);
@@ -216,7 +218,7 @@ impl Target {
                 pass.draw(0..3, 0..slices);
             }
             device.queue.submit([encoder.finish()]);
-            device.wait()?;
+            device.done().await?;
             let took = begun.elapsed();
             if took > BUDGET && self.slices > 1 {
                 self.slices /= 2;

@@ -3,16 +3,17 @@
 use crate::device::Device;
 use crate::error::Error;
 use strahl_shader::{PAGE_VOXELS, Texels};
-use strahl_volume::{SampleType, Samples, Volume};
+use strahl_volume::{Control, SampleType, Samples, Volume};
 use wgpu::TextureFormat;
 
 /// A volume on the device.
 #[derive(Debug)]
 pub struct VolumeTexture {
     pub view: wgpu::TextureView,
-    pub storage: Storage,
     /// Where its pages are in the texture, if it is an atlas.
     pub pages: Option<Pages>,
+    /// That it takes on the device.
+    pub bytes: usize,
 }
 
 /// The page table of a volume.
@@ -35,7 +36,7 @@ pub struct Storage {
 }
 
 /// At most this much is copied at once: each write is staged in memory first.
-const SLAB_BYTES: usize = 32 << 20;
+const SLAB_BYTES: usize = 8 << 20;
 
 impl Storage {
     fn texel_bytes(&self) -> usize {
@@ -43,7 +44,7 @@ impl Storage {
     }
 
     /// The same in an atlas, which no texture unit interpolates.
-    fn paged(self) -> Storage {
+    pub fn paged(self) -> Storage {
         Storage {
             texels: match self.texels {
                 Texels::Unsigned | Texels::UnsignedPages => Texels::UnsignedPages,
@@ -101,12 +102,22 @@ impl Storage {
 }
 
 impl VolumeTexture {
+    /// Whether `volume` is stored in pages because an edge is longer than `most`.
+    pub fn is_paged(volume: &Volume, most: u32) -> bool {
+        volume.grid().dims().iter().any(|n| *n > most as usize)
+    }
+
     /// Copies the samples to the device: as one texture, or in pages if an edge is longer than `most`.
-    pub fn new(device: &Device, volume: &Volume, most: u32) -> Result<VolumeTexture, Error> {
-        let dims = volume.grid().dims();
-        if dims.iter().any(|n| *n > most as usize) {
-            return VolumeTexture::in_pages(device, volume, most);
+    pub async fn new(
+        device: &Device,
+        volume: &Volume,
+        most: u32,
+        control: &Control,
+    ) -> Result<VolumeTexture, Error> {
+        if VolumeTexture::is_paged(volume, most) {
+            return VolumeTexture::in_pages(device, volume, most, control).await;
         }
+        let dims = volume.grid().dims();
         let storage = Storage::of(volume.samples().sample_type(), device);
         let texel_bytes = storage.texel_bytes();
         let [x, y, z] = dims.map(|n| n as u32);
@@ -139,20 +150,26 @@ impl VolumeTexture {
                     [x, rows as u32, slices as u32],
                 );
                 device.queue.submit([]);
-                device.wait()?;
+                device.done().await?;
+                control.check()?;
             }
             first_slice += slices;
         }
         Ok(VolumeTexture {
             view: texture.create_view(&wgpu::TextureViewDescriptor::default()),
-            storage,
             pages: None,
+            bytes: slice * dims[2] * texel_bytes,
         })
     }
 
     /// A volume beyond the largest texture: an atlas of the pages whose voxels differ, and a table that
     /// says where each page is.
-    fn in_pages(device: &Device, volume: &Volume, most: u32) -> Result<VolumeTexture, Error> {
+    async fn in_pages(
+        device: &Device,
+        volume: &Volume,
+        most: u32,
+        control: &Control,
+    ) -> Result<VolumeTexture, Error> {
         let dims = volume.grid().dims();
         let storage = Storage::of(volume.samples().sample_type(), device).paged();
         let samples = volume.samples();
@@ -172,6 +189,7 @@ impl VolumeTexture {
         let mut stored = Vec::new();
         for z in 0..table_dims[2] {
             for y in 0..table_dims[1] {
+                control.check()?;
                 for x in 0..table_dims[0] {
                     let corner = [x * page, y * page, z * page];
                     if let Some(number) = same_number(samples, dims, corner) {
@@ -218,18 +236,19 @@ impl VolumeTexture {
             write(device, &atlas, &bytes, origin, size.map(|n| n as u32));
             if i % at_once == at_once - 1 {
                 device.queue.submit([]);
-                device.wait()?;
+                device.done().await?;
+                control.check()?;
             }
         }
         device.queue.submit([]);
-        device.wait()?;
+        device.done().await?;
         Ok(VolumeTexture {
             view: atlas.create_view(&wgpu::TextureViewDescriptor::default()),
-            storage,
             pages: Some(Pages {
                 dims: table_dims.map(|n| n as u32),
                 entries,
             }),
+            bytes: atlas_dims.iter().product::<usize>() * page.pow(3) * storage.texel_bytes(),
         })
     }
 }

@@ -12,8 +12,8 @@ pub use opacity::most_opacity;
 
 use crate::plan::{Classify, Composite, DebugView, Fetch, Field, Plan, Reconstruct};
 use crate::transfer::{Places, TransferTable};
-use strahl_volume::Rescale;
 use strahl_volume::bricks::{BrickRange, Bricks};
+use strahl_volume::{Cancelled, ContentId, Control, Key, Rescale};
 
 /// What each brick of an object, x fastest, can give to a ray.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,18 +28,85 @@ pub enum Contribution {
     Smallest(Vec<f32>),
 }
 
+/// All that the [`Contribution`] of an object's bricks depends on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ContributionOf {
+    /// The volume that the bricks are those of.
+    source: ContentId,
+    /// Of the bricks: cells along the edge, voxels beyond.
+    edge: usize,
+    reach: usize,
+    fetch: Fetch,
+    reconstruct: Reconstruct,
+    classify: Classify,
+    composite: Composite,
+    rescale: Rescale,
+    table: TransferTable,
+    is_known: bool,
+}
+
+impl ContributionOf {
+    /// That of layer number `layer`, whose renderer reconstructs from the volume `source` with these `bricks`.
+    pub fn new(plan: &Plan, layer: usize, source: ContentId, bricks: &Bricks) -> ContributionOf {
+        let (field, technique) = (plan.field_of(layer), plan.technique_of(layer));
+        ContributionOf {
+            source,
+            edge: bricks.edge(),
+            reach: bricks.reach(),
+            fetch: field.fetch,
+            reconstruct: field.reconstruct,
+            classify: technique.classify,
+            composite: technique.composite,
+            rescale: field.rescale,
+            table: technique.table.clone(),
+            is_known: is_known(plan),
+        }
+    }
+
+    /// Bytes that the key itself takes.
+    pub fn table_bytes(&self) -> usize {
+        size_of_val(self.table.entries()) + size_of::<ContributionOf>()
+    }
+}
+
+impl Key for ContributionOf {
+    type Value = Contribution;
+
+    const NAME: &str = "visible bricks";
+
+    fn bytes(&self, value: &Contribution) -> usize {
+        let of_bricks = match value {
+            Contribution::Every => 0,
+            Contribution::Visible(visible) => visible.len(),
+            Contribution::Largest(values) | Contribution::Smallest(values) => 4 * values.len(),
+        };
+        self.table_bytes() + of_bricks
+    }
+}
+
+/// Whether no function of the user changes values in a way that nobody knows.
+fn is_known(plan: &Plan) -> bool {
+    !plan.modules.iter().any(|module| {
+        let slot = module.module.slot().name;
+        ["fetch", "reconstruct", "classify", "composite"].contains(&slot)
+    })
+}
+
 impl Contribution {
     /// What the `bricks` of layer number `layer` can give. They are those of the numbers that the
     /// renderer reconstructs from: of the coefficients if the B-spline interpolates.
-    pub fn of(plan: &Plan, layer: usize, bricks: &Bricks) -> Contribution {
+    ///
+    /// # Errors
+    /// `control` was cancelled.
+    pub fn of(
+        plan: &Plan,
+        layer: usize,
+        bricks: &Bricks,
+        control: &Control,
+    ) -> Result<Contribution, Cancelled> {
         let (field, technique) = (plan.field_of(layer), plan.technique_of(layer));
-        // What a function of the user does to values nobody knows.
-        let is_known = !plan.modules.iter().any(|module| {
-            let slot = module.module.slot().name;
-            ["fetch", "reconstruct", "classify", "composite"].contains(&slot)
-        });
-        if field.fetch != Fetch::Stored || !is_known {
-            return Contribution::Every;
+        if field.fetch != Fetch::Stored || !is_known(plan) {
+            return Ok(Contribution::Every);
         }
         let rescale = rescale_of(field);
         let values = |range: BrickRange| values(range, rescale);
@@ -49,7 +116,7 @@ impl Contribution {
             let (lo, hi) = values(range);
             !range.is_empty() && shows(technique.classify, &opaque, lo, hi)
         };
-        match technique.composite {
+        Ok(match technique.composite {
             Composite::EmissionAbsorption { .. }
             | Composite::BackToFront
             | Composite::Debug(
@@ -57,32 +124,34 @@ impl Contribution {
                 | DebugView::GradientRaw
                 | DebugView::GradientMagnitude { .. }
                 | DebugView::Depth { .. },
-            ) => Contribution::Visible(of_reached(bricks, way, visible)),
+            ) => Contribution::Visible(of_reached(bricks, way, visible, control)?),
             Composite::Mida { low, high, .. } => {
                 let rises = |range: BrickRange| {
                     let (lo, hi) = values(range);
                     !range.is_empty() && if low < high { hi > low } else { lo < low }
                 };
                 let matters = |range: BrickRange| visible(range) || rises(range);
-                Contribution::Visible(of_reached(bricks, way, matters))
+                Contribution::Visible(of_reached(bricks, way, matters, control)?)
             }
             Composite::FirstHit { threshold } => {
                 let hit =
                     |range: BrickRange| !range.is_empty() && values(range).1 >= threshold as f32;
-                Contribution::Visible(of_reached(bricks, way, hit))
+                Contribution::Visible(of_reached(bricks, way, hit, control)?)
             }
             Composite::Mip => {
-                Contribution::Largest(of_reached(bricks, way, |range| values(range).1))
+                let largest = |range| values(range).1;
+                Contribution::Largest(of_reached(bricks, way, largest, control)?)
             }
             Composite::MinIp => {
-                Contribution::Smallest(of_reached(bricks, way, |range| values(range).0))
+                let smallest = |range| values(range).0;
+                Contribution::Smallest(of_reached(bricks, way, smallest, control)?)
             }
             Composite::Average
             | Composite::Gmip { .. }
             | Composite::Debug(
                 DebugView::Entry | DebugView::Exit | DebugView::SampleCount { .. },
             ) => Contribution::Every,
-        }
+        })
     }
 }
 
@@ -114,15 +183,18 @@ fn values(range: BrickRange, rescale: Rescale) -> (f32, f32) {
 
 /// What `of` makes of the numbers that reconstruction can reach from inside each brick; of closer ones where the bricks
 /// have the reach of cubic kernels.
-fn of_reached<T: Send>(
+fn of_reached<T: Copy + Default + Send>(
     bricks: &Bricks,
     reconstruct: Reconstruct,
     of: impl Fn(BrickRange) -> T + Sync,
-) -> Vec<T> {
+    control: &Control,
+) -> Result<Vec<T>, Cancelled> {
     match reconstruct {
-        Reconstruct::Nearest | Reconstruct::Trilinear => bricks.map(of),
+        Reconstruct::Nearest | Reconstruct::Trilinear => bricks.map_under(control, of),
         // Four voxels along each axis reach one further; the weights add up to 1 and none is negative.
-        Reconstruct::BSpline | Reconstruct::BSplineInterpolating => of_reached_further(bricks, of),
+        Reconstruct::BSpline | Reconstruct::BSplineInterpolating => {
+            of_reached_further(bricks, of, control)
+        }
         // The weights along an axis lie between −1/8 and 9/8 at the most, so that a value leaves the
         // range by up to ((5/4)³ − 1)/2 of its width.
         Reconstruct::CatmullRom => {
@@ -133,22 +205,25 @@ fn of_reached<T: Send>(
                     hi: hi + by,
                 }
             };
-            of_reached_further(bricks, |range| of(wider(range)))
+            of_reached_further(bricks, |range| of(wider(range)), control)
         }
     }
 }
 
 /// What `of` makes of the numbers in each brick and those one voxel further out.
-fn of_reached_further<T: Send>(bricks: &Bricks, of: impl Fn(BrickRange) -> T + Sync) -> Vec<T> {
+fn of_reached_further<T: Copy + Default + Send>(
+    bricks: &Bricks,
+    of: impl Fn(BrickRange) -> T + Sync,
+    control: &Control,
+) -> Result<Vec<T>, Cancelled> {
     if bricks.reach() > 0 {
-        return bricks.map(of);
+        return bricks.map_under(control, of);
     }
     // The next bricks hold them.
     let ranges = bricks.ranges().collect();
-    let ranges = joined_with_neighbours(bricks.dims(), ranges, |range, other| {
-        *range = range.joined(*other);
-    });
-    ranges.into_iter().map(of).collect()
+    let join = |range: &mut BrickRange, other: &BrickRange| *range = range.joined(*other);
+    let ranges = joined_with_neighbours(bricks.dims(), ranges, join, control)?;
+    Ok(ranges.into_iter().map(of).collect())
 }
 
 /// What each brick and the 26 around it have, joined.
@@ -156,9 +231,11 @@ fn joined_with_neighbours<T: Copy>(
     dims: [usize; 3],
     mut of_bricks: Vec<T>,
     join: impl Fn(&mut T, &T),
-) -> Vec<T> {
+    control: &Control,
+) -> Result<Vec<T>, Cancelled> {
     let mut stride = 1;
     for edge in dims {
+        control.check()?;
         let before = of_bricks.clone();
         let lines = of_bricks.chunks_exact_mut(stride * edge);
         for (line, before) in lines.zip(before.chunks_exact(stride * edge)) {
@@ -172,7 +249,7 @@ fn joined_with_neighbours<T: Copy>(
         }
         stride *= edge;
     }
-    of_bricks
+    Ok(of_bricks)
 }
 
 /// Whether a classification shows anything of an interval.
@@ -254,7 +331,8 @@ mod tests {
                 .map(|i| ((i + 1).wrapping_mul(seed | 1) >> 32) as u8)
                 .collect();
             let larger = |most: &mut u8, other: &u8| *most = (*most).max(*other);
-            let largest = joined_with_neighbours(dims, numbers.clone(), larger);
+            let largest = joined_with_neighbours(dims, numbers.clone(), larger, &Control::NONE);
+            let largest = largest.unwrap();
             let place = |i: usize| [i % dims[0], i / dims[0] % dims[1], i / (dims[0] * dims[1])];
             for (i, got) in largest.iter().enumerate() {
                 let touches = |j: &usize| (0..3).all(|axis| place(i)[axis].abs_diff(place(*j)[axis]) <= 1);

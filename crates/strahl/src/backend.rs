@@ -1,11 +1,10 @@
 //! Which renderer draws, and what a picture has cost there.
 
-use crate::render::ShowStage;
+use crate::session::Session;
+use crate::show_stage::ShowStage;
 use crate::{Error, SceneGraph};
-use std::ops::ControlFlow;
-use strahl_gpu::{Device, adapters};
 use strahl_scene::{Image, plan::Plan};
-use strahl_volume::Datasets;
+use strahl_volume::{Control, Datasets};
 
 /// Which renderer draws.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -64,35 +63,40 @@ pub(crate) struct Drawn {
     pub notes: Vec<String>,
 }
 
-/// Draws `plan`, by `graph` if there is one, in stages if `show` wants them; `progress` is told the share that is
-/// drawn.
+/// What is to be drawn.
+pub(crate) struct Wanted<'w> {
+    pub data: &'w Datasets,
+    pub plan: &'w Plan,
+    /// What it is drawn by, if not by the Plan alone.
+    pub graph: Option<&'w SceneGraph>,
+}
+
+/// Draws what is `wanted` with what `session` keeps, in stages if `show` wants them, under `control`.
 pub(crate) fn draw(
+    session: &Session,
     backend: &Backend,
-    data: &Datasets,
-    plan: &Plan,
-    graph: Option<&SceneGraph>,
+    wanted: &Wanted,
     options: &strahl_cpu::Options,
     show: Option<ShowStage>,
-    progress: &(dyn Fn(f64) + Sync),
+    control: &Control,
 ) -> Result<Drawn, Error> {
-    if show.is_some() && (*backend != Backend::Cpu || graph.is_some()) {
+    if show.is_some() && (*backend != Backend::Cpu || wanted.graph.is_some()) {
         return Err(Error::NoStages);
     }
     match backend {
-        Backend::Cpu => on_cpu(data, plan, graph, options, show, progress),
-        Backend::Gpu { adapter } => on_gpu(adapter.as_deref(), data, plan, graph, progress),
+        Backend::Cpu => on_cpu(session, wanted, options, show, control),
+        Backend::Gpu { adapter } => on_gpu(session, adapter.as_deref(), wanted, control),
         Backend::Auto => {
-            let hardware = adapters().into_iter().find(|a| !a.is_software);
-            let why = match hardware {
+            let why = match session.hardware() {
                 None => "there is no graphics processor".to_owned(),
-                Some(adapter) => match on_gpu(Some(&adapter.name), data, plan, graph, progress) {
+                adapter => match on_gpu(session, adapter, wanted, control) {
                     Ok(drawn) => return Ok(drawn),
                     // What is wrong with a graph is wrong everywhere.
-                    Err(error @ Error::Graph(_)) => return Err(error),
+                    Err(error @ (Error::Graph(_) | Error::Cancelled)) => return Err(error),
                     Err(error) => error.to_string(),
                 },
             };
-            let drawn = on_cpu(data, plan, graph, options, None, progress)?;
+            let drawn = on_cpu(session, wanted, options, None, control)?;
             let why = format!("drawn on the processor: {why}");
             let mut drawn = drawn;
             drawn.notes.insert(0, why);
@@ -103,27 +107,24 @@ pub(crate) fn draw(
 
 /// By the twins of the functions, or by the program where one has none.
 fn on_cpu(
-    data: &Datasets,
-    plan: &Plan,
-    graph: Option<&SceneGraph>,
+    session: &Session,
+    wanted: &Wanted,
     options: &strahl_cpu::Options,
     show: Option<ShowStage>,
-    progress: &(dyn Fn(f64) + Sync),
+    control: &Control,
 ) -> Result<Drawn, Error> {
-    let share = |drawn, total| {
-        progress(drawn as f64 / total as f64);
-        ControlFlow::Continue(())
-    };
-    if graph.is_some() {
+    if wanted.graph.is_some() {
         let note = "the graph was evaluated on the processor, which is exact but slow; --backend gpu is faster";
-        let mut drawn = evaluated(data, plan, graph, options.threads, share)?;
+        let mut drawn = evaluated(session, wanted, options.threads, control)?;
         drawn.notes.push(note.to_owned());
         return Ok(drawn);
     }
-    let renderer = strahl_cpu::Renderer::new(data.clone());
+    let (store, pools) = (session.store().clone(), session.pools().clone());
+    let renderer = strahl_cpu::Renderer::with_store(wanted.data, store, pools);
+    let plan = wanted.plan;
     let drawn = match show {
-        None => renderer.render(plan, options, &share),
-        Some(show) => renderer.refine(plan, options, &share, &mut |picture, stage| {
+        None => renderer.render(plan, options, control),
+        Some(show) => renderer.refine(plan, options, control, &mut |picture, stage| {
             show(picture, &plan.display, stage)
         }),
     };
@@ -138,7 +139,7 @@ fn on_cpu(
             let note = format!(
                 "the function {function} has no form for the processor: its program was evaluated there, which is exact but slow; --backend gpu is faster"
             );
-            let mut drawn = evaluated(data, plan, None, options.threads, share)?;
+            let mut drawn = evaluated(session, wanted, options.threads, control)?;
             drawn.notes.push(note);
             Ok(drawn)
         }
@@ -148,17 +149,20 @@ fn on_cpu(
 
 /// By the program that a graphics processor would run.
 fn evaluated(
-    data: &Datasets,
-    plan: &Plan,
-    graph: Option<&SceneGraph>,
+    session: &Session,
+    wanted: &Wanted,
     threads: usize,
-    progress: impl Fn(usize, usize) -> ControlFlow<()> + Sync + Send,
+    control: &Control,
 ) -> Result<Drawn, Error> {
-    let draw = || {
-        let mut evaluator = strahl_evaluate::Evaluator::new(data.clone());
+    let pool = session.pools().of(threads)?;
+    let mut evaluator = session.evaluator(control)?;
+    let evaluator = &mut *evaluator;
+    evaluator.set_data(wanted.data);
+    let plan = wanted.plan;
+    let mut draw = || {
         let mut notes = Vec::new();
-        let drawn = match graph {
-            None => evaluator.render(plan, progress)?,
+        let drawn = match wanted.graph {
+            None => evaluator.render(plan, control)?,
             Some(graph) => {
                 let (what, functions) = (evaluator.loop_of(plan)?, evaluator.functions(plan)?);
                 let ready = graph.ready(plan, &what, &functions)?;
@@ -167,9 +171,9 @@ fn evaluated(
                 let (program, parameters) = (&of.program, &of.parameters);
                 let textures = &ready.textures;
                 match &of.slicing {
-                    None => evaluator.render_by(plan, program, parameters, textures, progress)?,
+                    None => evaluator.render_by(plan, program, parameters, textures, control)?,
                     Some(slicing) => evaluator
-                        .render_slices_by(plan, program, parameters, textures, slicing, progress)?,
+                        .render_slices_by(plan, program, parameters, textures, slicing, control)?,
                 }
             }
         };
@@ -183,73 +187,45 @@ fn evaluated(
             notes,
         })
     };
-    if threads == 0 {
-        return draw();
+    match pool {
+        Some(pool) => pool.install(draw),
+        None => draw(),
     }
-    rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()
-        .map_err(|why| strahl_cpu::Error::Threads {
-            threads,
-            why: why.to_string(),
-        })?
-        .install(draw)
 }
 
-/// A device may be lost at any time: the driver was updated or reset. It is opened again once.
 fn on_gpu(
+    session: &Session,
     adapter: Option<&str>,
-    data: &Datasets,
-    plan: &Plan,
-    graph: Option<&SceneGraph>,
-    progress: &(dyn Fn(f64) + Sync),
+    wanted: &Wanted,
+    control: &Control,
 ) -> Result<Drawn, Error> {
-    match on_device(adapter, data, plan, graph, progress) {
-        Err(Error::Gpu(strahl_gpu::Error::Lost(_))) => {
-            on_device(adapter, data, plan, graph, progress)
-        }
-        done => done,
-    }
-}
-
-fn on_device(
-    adapter: Option<&str>,
-    data: &Datasets,
-    plan: &Plan,
-    graph: Option<&SceneGraph>,
-    progress: &(dyn Fn(f64) + Sync),
-) -> Result<Drawn, Error> {
-    let device = Device::open(adapter)?;
-    let share = |drawn, total| {
-        progress(drawn as f64 / total as f64);
-        ControlFlow::Continue(())
-    };
-    let mut renderer = strahl_gpu::Renderer::new(&device, data.clone())?;
-    let mut notes = Vec::new();
-    let drawn = match graph {
-        None => renderer.render(plan, share)?,
-        Some(graph) => {
-            let (what, functions) = (renderer.loop_of(plan)?, renderer.functions(plan)?);
-            let ready = graph.ready(plan, &what, &functions)?;
-            notes = ready.notes;
-            let of = &ready.compiled;
-            let (program, parameters) = (&of.program, &of.parameters);
-            let textures = &ready.textures;
-            match &of.slicing {
-                None => renderer.render_by(plan, program, parameters, textures, share)?,
-                Some(slicing) => renderer
-                    .render_slices_by(plan, program, parameters, textures, slicing, share)?,
+    session.on_gpu(adapter, wanted.data, control, |renderer| {
+        let plan = wanted.plan;
+        let mut notes = Vec::new();
+        let drawn = match wanted.graph {
+            None => renderer.render(plan, control)?,
+            Some(graph) => {
+                let (what, functions) = (renderer.loop_of(plan)?, renderer.functions(plan)?);
+                let ready = graph.ready(plan, &what, &functions)?;
+                notes = ready.notes;
+                let of = &ready.compiled;
+                let (program, parameters) = (&of.program, &of.parameters);
+                let textures = &ready.textures;
+                match &of.slicing {
+                    None => renderer.render_by(plan, program, parameters, textures, control)?,
+                    Some(slicing) => renderer
+                        .render_slices_by(plan, program, parameters, textures, slicing, control)?,
+                }
             }
-        }
-    };
-    let adapter = device.adapter().to_string();
-    Ok(Drawn {
-        image: drawn.image,
-        depth_mm: drawn.depth_mm,
-        stats: Stats::Gpu {
-            adapter,
-            stats: drawn.stats,
-        },
-        notes,
+        };
+        Ok(Drawn {
+            image: drawn.image,
+            depth_mm: drawn.depth_mm,
+            stats: Stats::Gpu {
+                adapter: renderer.device().adapter().to_string(),
+                stats: drawn.stats,
+            },
+            notes,
+        })
     })
 }

@@ -2,11 +2,15 @@
 
 use std::path::{Path, PathBuf};
 use std::{fmt, io};
+use strahl_volume::Cancelled;
 
 /// An error of the front: which step failed and on which file.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
+    /// Whoever asked for it ended it by its [`Control`](strahl_volume::Control).
+    #[error("cancelled")]
+    Cancelled,
     /// The operating system could not find, read, create or rename a file.
     #[error("{}: {}", .path.display(), Reason(.error))]
     Path {
@@ -25,7 +29,7 @@ pub enum Error {
     },
     /// The volume cannot be read, or is not one.
     #[error(transparent)]
-    Volume(#[from] strahl_volume::Error),
+    Volume(strahl_volume::Error),
     /// The text of a scene file is not a scene.
     #[error(transparent)]
     Scene(#[from] strahl_scene::Error),
@@ -45,13 +49,13 @@ pub enum Error {
     Graph(#[from] strahl_graph::Error),
     /// No picture was drawn.
     #[error(transparent)]
-    Draw(#[from] strahl_cpu::Error),
+    Draw(strahl_cpu::Error),
     /// No picture was drawn by its program on the processor.
     #[error(transparent)]
-    Evaluate(#[from] strahl_evaluate::Error),
+    Evaluate(strahl_evaluate::Error),
     /// No picture was drawn on the graphics processor.
     #[error(transparent)]
-    Gpu(#[from] strahl_gpu::Error),
+    Gpu(strahl_gpu::Error),
     /// No volume is named, by the scene (of this file, if it comes from one) or beside it.
     #[error(
         "{}volume is missing; give the scene a \"volume\" with a \"path\" or a \"phantom\", or name a volume beside the scene",
@@ -66,6 +70,9 @@ pub enum Error {
         "pictures in stages are drawn by the processor's own ray loop only, and not by a graph"
     )]
     NoStages,
+    /// A scene with a graph is to be drawn into a texture.
+    #[error("a scene with a graph is not drawn into a texture; draw it into memory")]
+    NoGraph,
     /// A picture file cannot be written.
     #[error("the {format} file cannot be written: {why}")]
     NotWritten {
@@ -93,6 +100,48 @@ pub enum Error {
         /// Of the picture.
         pixels: usize,
     },
+}
+
+impl From<Cancelled> for Error {
+    fn from(_: Cancelled) -> Error {
+        Error::Cancelled
+    }
+}
+
+impl From<strahl_volume::Error> for Error {
+    fn from(error: strahl_volume::Error) -> Error {
+        match error.is_cancelled() {
+            true => Error::Cancelled,
+            false => Error::Volume(error),
+        }
+    }
+}
+
+impl From<strahl_cpu::Error> for Error {
+    fn from(error: strahl_cpu::Error) -> Error {
+        match error {
+            strahl_cpu::Error::Cancelled => Error::Cancelled,
+            error => Error::Draw(error),
+        }
+    }
+}
+
+impl From<strahl_evaluate::Error> for Error {
+    fn from(error: strahl_evaluate::Error) -> Error {
+        match error {
+            strahl_evaluate::Error::Cancelled => Error::Cancelled,
+            error => Error::Evaluate(error),
+        }
+    }
+}
+
+impl From<strahl_gpu::Error> for Error {
+    fn from(error: strahl_gpu::Error) -> Error {
+        match error {
+            strahl_gpu::Error::Cancelled => Error::Cancelled,
+            error => Error::Gpu(error),
+        }
+    }
 }
 
 impl From<strahl_scene::Problems> for Error {

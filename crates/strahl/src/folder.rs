@@ -74,15 +74,8 @@ impl Folder {
         Ok(Folder(Source::Listed(files)))
     }
 
-    /// Bytes of all listed files; 0 where it is not known which of the files will be read.
-    pub(crate) fn total_len(&self) -> u64 {
-        match &self.0 {
-            Source::Around(_) => 0,
-            Source::Listed(files) => files.values().map(|(_, len)| len).sum(),
-        }
-    }
-
-    fn path_of(&self, name: &str) -> io::Result<PathBuf> {
+    /// Where the file `name` lies.
+    pub(crate) fn path_of(&self, name: &str) -> io::Result<PathBuf> {
         match &self.0 {
             Source::Around(folder) => {
                 // A header may name a file in a folder below, but a downloaded header has no

@@ -26,6 +26,8 @@
 //! # Ok::<(), strahl::Error>(())
 //! ```
 //!
+//! Pictures that follow one another share a [`Session`]: what was read stays, and so does what was made of it.
+//!
 //! # What lies below
 //!
 //! | step | what does it |
@@ -51,16 +53,20 @@ mod render;
 mod scene_data;
 mod scene_file;
 mod scene_graph;
+mod session;
+mod show_stage;
 
 pub use backend::{Backend, Stats};
 pub use error::Error;
 pub use folder::Folder;
-pub use load::{load, load_with_progress};
+pub use load::{load, load_under};
 pub use output::{Output, abandon_outputs};
 pub use picture::{Encoding, Recipe, SOFTWARE, write_picture};
-pub use render::{Picture, Render, ShowStage, Stage, render_file};
+pub use render::{Picture, Render, Shown, render_file};
 pub use scene_file::{SceneFile, seen_from};
 pub use scene_graph::{ReadyGraph, SceneGraph};
+pub use session::Session;
+pub use show_stage::ShowStage;
 
 /// Vectors and matrices of the interfaces.
 pub use glam;
@@ -88,7 +94,7 @@ pub use strahl_scene::{
     Background, Camera, Clip, Color, ColorMap, Image, Method, Projection, Scene, TransferFunction,
     TransferPoint, View, presets,
 };
-pub use strahl_volume::{Phantom, Volume};
+pub use strahl_volume::{Control, Phantom, Volume, Work};
 
 /// The examples of README.md, which have to compile.
 #[cfg(doctest)]

@@ -2,13 +2,13 @@
 
 use crate::Error;
 use crate::folder::{Folder, file_name};
-use std::collections::BTreeSet;
-use std::fs;
-use std::io;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicU64, Ordering};
-use strahl_volume::read::{Bytes, Files, Loaded, ReadOptions, read_file, read_folder};
+use std::sync::{Mutex, PoisonError};
+use std::time::SystemTime;
+use std::{fs, io};
+use strahl_volume::Control;
+use strahl_volume::read::{Bytes, Files, Loaded, ReadOptions, read_file_under, read_folder_under};
 
 /// Reads the volume at `path`: a file, a header with its siblings, or a folder that holds one DICOM
 /// series or numbered slices.
@@ -16,105 +16,96 @@ use strahl_volume::read::{Bytes, Files, Loaded, ReadOptions, read_file, read_fol
 /// # Errors
 /// If there is nothing at `path`, or whatever is wrong with the file, by name and field.
 pub fn load(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Loaded, Error> {
-    load_with_progress(&[path.as_ref().to_owned()], options, &|_| ())
+    load_under(&[path.as_ref().to_owned()], options, &Control::NONE)
 }
 
 /// Reads one volume from `paths`: as [`load`] if there is one, else the slices of one series in any
-/// order. `progress` is told, from any thread, which share of the bytes has been read (0 to 1).
+/// order. `control` is told which share of the bytes has been read.
 ///
 /// # Errors
-/// As [`load`]; if `paths` is empty, names a file twice, or names a folder among files.
-pub fn load_with_progress(
+/// As [`load`]; if `paths` is empty, names a file twice, or names a folder among files; `control` was cancelled.
+pub fn load_under(
     paths: &[PathBuf],
     options: &ReadOptions,
-    progress: &(dyn Fn(f64) + Sync),
+    control: &Control,
 ) -> Result<Loaded, Error> {
-    match paths {
-        [] => Err(Error::NoVolume { scene: None }),
-        [path] => {
-            let metadata = fs::metadata(path).map_err(|error| Error::path(path, error))?;
-            if metadata.is_dir() {
-                let folder = Watched::new(Folder::of(path)?, progress);
-                Ok(read_folder(&path.display().to_string(), &folder, options)?)
-            } else {
-                let folder = Watched::new(Folder::around(path), progress);
-                Ok(read_file(&file_name(path), &folder, options)?)
-            }
-        }
+    Ok(load_seen(paths, options, control)?.0)
+}
+
+/// As [`load_under`], with the files that were opened.
+pub(crate) fn load_seen(
+    paths: &[PathBuf],
+    options: &ReadOptions,
+    control: &Control,
+) -> Result<(Loaded, Vec<Seen>), Error> {
+    let is_folder = |path: &PathBuf| {
+        let metadata = fs::metadata(path).map_err(|error| Error::path(path, error))?;
+        Ok::<_, Error>(metadata.is_dir())
+    };
+    let (name, folder, is_file) = match paths {
+        [] => return Err(Error::NoVolume { scene: None }),
+        [path] if is_folder(path)? => (path.display().to_string(), Folder::of(path)?, false),
+        [path] => (file_name(path), Folder::around(path), true),
         [first, others @ ..] => {
             let name = format!("{} and {} more", first.display(), others.len());
-            let folder = Watched::new(Folder::of_files(paths)?, progress);
-            Ok(read_folder(&name, &folder, options)?)
+            (name, Folder::of_files(paths)?, false)
         }
+    };
+    let recorded = Recorded {
+        folder,
+        seen: Mutex::default(),
+    };
+    let loaded = match is_file {
+        true => read_file_under(&name, &recorded, options, control),
+        false => read_folder_under(&name, &recorded, options, control),
+    };
+    let seen = recorded.seen.into_inner();
+    let seen = seen.unwrap_or_else(PoisonError::into_inner);
+    Ok((loaded?, seen.into_values().collect()))
+}
+
+/// A file as it was when it was opened.
+pub(crate) struct Seen {
+    path: PathBuf,
+    state: Option<(u64, Option<SystemTime>)>,
+}
+
+impl Seen {
+    fn new(path: PathBuf) -> Seen {
+        Seen {
+            state: state(&path),
+            path,
+        }
+    }
+
+    /// Whether it is still the same, as far as its length and the time of its last change say.
+    pub fn is_same(&self) -> bool {
+        self.state == state(&self.path)
     }
 }
 
-/// Counts the bytes that a reader takes.
-struct Watched<'a> {
+fn state(path: &Path) -> Option<(u64, Option<SystemTime>)> {
+    let metadata = fs::metadata(path).ok()?;
+    Some((metadata.len(), metadata.modified().ok()))
+}
+
+/// Keeps in mind which files are opened.
+struct Recorded {
     folder: Folder,
-    progress: &'a (dyn Fn(f64) + Sync),
-    read: AtomicU64,
-    total: AtomicU64,
-    /// Files whose length is in `total`; a reader may open one several times.
-    known: Mutex<BTreeSet<String>>,
+    seen: Mutex<BTreeMap<String, Seen>>,
 }
 
-impl Watched<'_> {
-    fn new(folder: Folder, progress: &(dyn Fn(f64) + Sync)) -> Watched<'_> {
-        Watched {
-            total: folder.total_len().into(),
-            folder,
-            progress,
-            read: 0.into(),
-            known: Mutex::default(),
-        }
-    }
-}
-
-impl Files for Watched<'_> {
+impl Files for Recorded {
     fn names(&self) -> Vec<String> {
         self.folder.names()
     }
 
     fn open(&self, name: &str) -> io::Result<Box<dyn Bytes + '_>> {
-        let bytes = self.folder.open(name)?;
-        if self.folder.total_len() == 0
-            && let Ok(mut known) = self.known.lock()
-            && known.insert(name.to_owned())
-        {
-            self.total.fetch_add(bytes.len(), Ordering::Relaxed);
-        }
-        Ok(Box::new(WatchedBytes {
-            bytes,
-            watched: self,
-        }))
-    }
-}
-
-struct WatchedBytes<'a> {
-    bytes: Box<dyn Bytes + 'a>,
-    watched: &'a Watched<'a>,
-}
-
-impl Bytes for WatchedBytes<'_> {
-    fn len(&self) -> u64 {
-        self.bytes.len()
-    }
-
-    fn read_at(&self, offset: u64, into: &mut [u8]) -> io::Result<()> {
-        /// Large enough to cost nothing, small enough to show progress.
-        const PIECE: usize = 16 << 20;
-        let mut offset = offset;
-        for piece in into.chunks_mut(PIECE) {
-            self.bytes.read_at(offset, piece)?;
-            offset += piece.len() as u64;
-            let watched = self.watched;
-            let before = watched
-                .read
-                .fetch_add(piece.len() as u64, Ordering::Relaxed);
-            let total = watched.total.load(Ordering::Relaxed).max(1);
-            (watched.progress)(((before + piece.len() as u64) as f64 / total as f64).min(1.0));
-        }
-        Ok(())
+        let path = self.folder.path_of(name)?;
+        // Before it is read: what changes meanwhile has changed.
+        let mut seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
+        seen.entry(name.to_owned())
+            .or_insert_with(|| Seen::new(path));
+        self.folder.open(name)
     }
 }

@@ -1,20 +1,22 @@
 //! From a volume or a scene to a picture: [`Render`] and [`render_file`].
 
-use crate::backend::{Backend, Stats, draw};
-use crate::scene_data::SceneData;
+use crate::backend::{Backend, Stats, Wanted, draw};
+use crate::scene_data::{Own, SceneData};
 use crate::scene_file::{SceneFile, seen_from};
-use crate::{Encoding, Error, Output, Recipe, SceneGraph, load_with_progress, write_picture};
-use std::borrow::Cow;
-use std::ops::ControlFlow;
+use crate::session::Session;
+use crate::show_stage::ShowStage;
+use crate::{Encoding, Error, Output, Recipe, SceneGraph, write_picture};
+use std::ops::Deref;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use strahl_cpu::Options;
+use strahl_gpu::TextureTarget;
 use strahl_scene::{
     Background, Camera, Clip, Image, Method, Scene, TransferFunction, View, VolumeSource, plan,
     resolve_with, settled_with,
 };
 use strahl_volume::read::ReadOptions;
-use strahl_volume::{Phantom, Volume};
+use strahl_volume::{Control, Phantom, Volume};
 
 /// Draws the volume at `volume_path` (a file, or a folder with one DICOM series or numbered slices)
 /// into the picture `picture_path` (`.png` or `.exr`), with everything chosen from the data.
@@ -45,37 +47,38 @@ pub fn render_file(
 #[derive(Clone)]
 #[must_use = "nothing is drawn before `picture` or `save`"]
 pub struct Render<'a> {
-    source: Source<'a>,
+    source: Source,
     scene: Scene,
     scene_path: Option<PathBuf>,
     options: Options,
     with_depth: bool,
     backend: Backend,
-    progress: &'a (dyn Fn(Stage, f64) + Sync),
+    control: Control,
     show: Option<ShowStage<'a>>,
+    session: Option<&'a Session>,
 }
 
-/// What [`Render::in_stages`] tells of each stage of a picture: `Break` ends it.
-pub type ShowStage<'a> =
-    &'a (dyn Fn(&Image, &plan::Display, strahl_cpu::Stage) -> ControlFlow<()> + Sync);
-
 #[derive(Clone)]
-enum Source<'a> {
+enum Source {
     /// What `scene.volume` says.
     Scene,
     /// One volume from these files; `scene.volume` says how to read them.
     Files(Vec<PathBuf>),
     /// One that is in memory.
-    Volume(&'a Volume),
+    Volume(Volume),
 }
 
-/// What takes long about a picture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stage {
-    /// The volume is read, or computed if it is a phantom.
-    Reading,
-    /// The picture is drawn.
-    Drawing,
+/// What [`Render::draw_into`] has to say of a picture that lies in a texture.
+#[derive(Clone, Debug)]
+pub struct Shown {
+    /// Exposure and tone map, which whoever shows the texture applies.
+    pub display: plan::Display,
+    /// The scene with every default filled in.
+    pub scene: Scene,
+    /// What the user should know.
+    pub notes: Vec<String>,
+    /// What drawing has cost.
+    pub stats: Stats,
 }
 
 /// A picture, and how it came about.
@@ -121,8 +124,8 @@ impl<'a> Render<'a> {
     }
 
     /// Draws a volume that is in memory. (A picture file will not say where it came from.)
-    pub fn volume(volume: &'a Volume) -> Render<'a> {
-        Render::new(Source::Volume(volume), Scene::default())
+    pub fn volume(volume: &Volume) -> Render<'a> {
+        Render::new(Source::Volume(volume.clone()), Scene::default())
     }
 
     /// Draws a scene; its paths count from the current folder.
@@ -138,7 +141,7 @@ impl<'a> Render<'a> {
         }
     }
 
-    fn new(source: Source<'a>, scene: Scene) -> Render<'a> {
+    fn new(source: Source, scene: Scene) -> Render<'a> {
         Render {
             source,
             scene,
@@ -146,8 +149,9 @@ impl<'a> Render<'a> {
             options: Options::default(),
             with_depth: false,
             backend: Backend::default(),
-            progress: &|_, _| (),
+            control: Control::NONE,
             show: None,
+            session: None,
         }
     }
 
@@ -233,9 +237,9 @@ impl<'a> Render<'a> {
         self
     }
 
-    /// Has `progress` told, from any thread, how far a stage is (0 to 1).
-    pub fn progress(mut self, progress: &'a (dyn Fn(Stage, f64) + Sync)) -> Render<'a> {
-        self.progress = progress;
+    /// Reads and draws under `control`, which is told how far that is and may end it.
+    pub fn control(mut self, control: &Control) -> Render<'a> {
+        self.control = control.clone();
         self
     }
 
@@ -247,30 +251,42 @@ impl<'a> Render<'a> {
         self
     }
 
+    /// Draws with what `session` keeps, and leaves there what the next picture can use. Without, everything is given
+    /// up with the picture.
+    pub fn in_session(mut self, session: &'a Session) -> Render<'a> {
+        self.session = Some(session);
+        self
+    }
+
     /// Reads and draws.
     ///
     /// # Errors
-    /// Whatever is wrong with the volume or the scene.
+    /// Whatever is wrong with the volume or the scene; it was cancelled.
     pub fn picture(&self) -> Result<Picture, Error> {
         let start = Instant::now();
-        let data = self.data()?;
+        let session = self.session();
+        let data = self.data(&session)?;
         let read_seconds = start.elapsed().as_secs_f64();
         let (headers, scene) = (data.headers(), self.known_scene());
         let mut plan = self.checked(resolve_with(&scene, &headers))?;
         plan.with_depth = self.with_depth;
-        let progress = |part| (self.progress)(Stage::Drawing, part);
         let graph = match &scene.graph {
             Some(text) => Some(SceneGraph::new(&self.graph_name(), Some(text))?),
             None => None,
         };
+        let wanted = Wanted {
+            data: &data.datasets(),
+            plan: &plan,
+            graph: graph.as_ref(),
+        };
+        let (options, control) = (&self.options, &self.control);
         let drawn = draw(
+            &session,
             &self.backend,
-            &data.datasets(),
-            &plan,
-            graph.as_ref(),
-            &self.options,
+            &wanted,
+            options,
             self.show,
-            &progress,
+            control,
         )?;
         let notes = data.notes.into_iter().chain(drawn.notes).collect();
         Ok(Picture {
@@ -281,6 +297,35 @@ impl<'a> Render<'a> {
             notes,
             stats: drawn.stats,
             read_seconds,
+        })
+    }
+
+    /// Reads, and draws into a texture on the device that the session was given ([`Session::on_device`]): the picture does
+    /// not come to memory. Backend, threads and depth have no say.
+    ///
+    /// # Errors
+    /// As [`Render::picture`]; a scene with a graph; a texture that is smaller than the picture, lies on another device or
+    /// cannot be drawn into.
+    pub fn draw_into(&self, target: &TextureTarget) -> Result<Shown, Error> {
+        let session = self.session();
+        let data = self.data(&session)?;
+        let (headers, scene) = (data.headers(), self.known_scene());
+        let plan = self.checked(resolve_with(&scene, &headers))?;
+        if scene.graph.is_some() {
+            return Err(Error::NoGraph);
+        }
+        let control = &self.control;
+        let stats = session.on_gpu(None, &data.datasets(), control, |renderer| {
+            Ok(Stats::Gpu {
+                stats: renderer.render_into(&plan, target, control)?,
+                adapter: renderer.device().adapter().to_string(),
+            })
+        })?;
+        Ok(Shown {
+            display: plan.display,
+            scene: settled_with(&scene, &headers),
+            notes: data.notes,
+            stats,
         })
     }
 
@@ -316,15 +361,21 @@ impl<'a> Render<'a> {
         }
     }
 
+    fn session(&self) -> SessionUsed<'a> {
+        match self.session {
+            Some(session) => SessionUsed::Given(session),
+            None => SessionUsed::Own(Box::default()),
+        }
+    }
+
     /// Everything that the scene names.
-    fn data(&self) -> Result<SceneData<'_>, Error> {
-        let (volume, notes) = self.load()?;
-        SceneData::load(&self.scene, volume, notes)
+    fn data(&self, session: &Session) -> Result<SceneData, Error> {
+        SceneData::load(session, &self.scene, self.own()?, &self.control)
             .map_err(|error| error.of_scene(&self.scene_path))
     }
 
     fn settle(&self) -> Result<(Scene, plan::Plan), Error> {
-        let headers = self.data()?.headers();
+        let headers = self.data(&self.session())?.headers();
         let scene = self.known_scene();
         let plan = self.checked(resolve_with(&scene, &headers))?;
         Ok((settled_with(&scene, &headers), plan))
@@ -362,9 +413,10 @@ impl<'a> Render<'a> {
         scene
     }
 
-    fn load(&self) -> Result<(Cow<'a, Volume>, Vec<String>), Error> {
+    /// Which volume is the scene's own.
+    fn own(&self) -> Result<Own<'_>, Error> {
         let source = match (&self.source, &self.scene.volume) {
-            (Source::Volume(volume), _) => return Ok((Cow::Borrowed(*volume), Vec::new())),
+            (Source::Volume(volume), _) => return Ok(Own::Volume(volume)),
             (Source::Files(paths), source) => {
                 let options = match source {
                     Some(source) => self.read_options(&VolumeSource {
@@ -374,7 +426,7 @@ impl<'a> Render<'a> {
                     })?,
                     None => ReadOptions::default(),
                 };
-                return self.read(paths, &options);
+                return Ok(Own::Files(paths.clone(), options));
             }
             (Source::Scene, Some(source)) => source,
             (Source::Scene, None) => {
@@ -384,22 +436,16 @@ impl<'a> Render<'a> {
         };
         let options = self.read_options(source)?;
         // One of the two is there and known, as has just been checked.
-        let Some(phantom) = source.phantom.as_deref().and_then(Phantom::from_name) else {
-            let path = PathBuf::from(source.path.clone().unwrap_or_default());
-            return self.read(&[path], &options);
-        };
-        let volume = phantom.volume(source.dims.unwrap_or(phantom.default_dims()))?;
-        Ok((Cow::Owned(volume), Vec::new()))
-    }
-
-    fn read(
-        &self,
-        paths: &[PathBuf],
-        options: &ReadOptions,
-    ) -> Result<(Cow<'a, Volume>, Vec<String>), Error> {
-        let progress = |part| (self.progress)(Stage::Reading, part);
-        let loaded = load_with_progress(paths, options, &progress)?;
-        Ok((Cow::Owned(loaded.volume), loaded.notes))
+        match source.phantom.as_deref().and_then(Phantom::from_name) {
+            Some(phantom) => {
+                let dims = source.dims.unwrap_or(phantom.default_dims());
+                Ok(Own::Phantom(phantom, dims))
+            }
+            None => {
+                let path = PathBuf::from(source.path.clone().unwrap_or_default());
+                Ok(Own::Files(vec![path], options))
+            }
+        }
     }
 
     fn read_options(&self, source: &VolumeSource) -> Result<ReadOptions, Error> {
@@ -408,6 +454,38 @@ impl<'a> Render<'a> {
 
     fn checked<T>(&self, result: Result<T, strahl_scene::Problems>) -> Result<T, Error> {
         result.map_err(|problems| Error::from(problems).of_scene(&self.scene_path))
+    }
+}
+
+/// The session that a picture is drawn in.
+enum SessionUsed<'a> {
+    Given(&'a Session),
+    /// For this picture alone.
+    Own(Box<Session>),
+}
+
+impl Deref for SessionUsed<'_> {
+    type Target = Session;
+
+    fn deref(&self) -> &Session {
+        match self {
+            SessionUsed::Given(session) => session,
+            SessionUsed::Own(session) => session,
+        }
+    }
+}
+
+impl Session {
+    /// Draws `scene` under `control`, on the processor; [`Render::in_session`] is the same with everything that can be
+    /// said. The scene's paths count from the current folder.
+    ///
+    /// # Errors
+    /// Whatever is wrong with the data or the scene; it was cancelled.
+    pub fn draw(&self, scene: &Scene, control: &Control) -> Result<Picture, Error> {
+        Render::scene(scene.clone())
+            .in_session(self)
+            .control(control)
+            .picture()
     }
 }
 

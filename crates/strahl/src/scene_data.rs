@@ -1,8 +1,9 @@
 //! Everything that a scene names, read: volumes, masks, meshes, shader functions.
 
+use crate::Error;
 use crate::folder::{Folder, file_name};
-use crate::{Error, load, load_with_progress};
-use std::borrow::Cow;
+use crate::session::{Read, Session};
+use std::any::Any;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -10,59 +11,90 @@ use std::sync::Arc;
 use strahl_scene::{Clip, Headers, MaskClip, Scene, VolumeSource};
 use strahl_shader::{MOST_MODULE_BYTES, Module};
 use strahl_volume::read::ReadOptions;
-use strahl_volume::read::mesh::read_mesh;
-use strahl_volume::{Datasets, Grid, LabelVolume, Mesh, Phantom, Volume};
+use strahl_volume::read::mesh::read_mesh_under;
+use strahl_volume::{Control, Datasets, Grid, LabelVolume, Mesh, Phantom, Volume};
+
+/// Which volume is a scene's own.
+pub(crate) enum Own<'o> {
+    /// One that is in memory.
+    Volume(&'o Volume),
+    /// A phantom with as many voxels.
+    Phantom(Phantom, [usize; 3]),
+    /// The volume in these files.
+    Files(Vec<PathBuf>, ReadOptions),
+}
+
+/// Who reads, and who may end it.
+#[derive(Clone, Copy)]
+struct Reading<'r> {
+    session: &'r Session,
+    control: &'r Control,
+}
 
 /// The data of a scene.
-pub(crate) struct SceneData<'a> {
+pub(crate) struct SceneData {
     /// The scene's own volume, then those of its objects.
-    volumes: Vec<Cow<'a, Volume>>,
+    volumes: Vec<Volume>,
     masks: Vec<Volume>,
     meshes: Vec<Mesh>,
     labels: Option<Grid>,
     modules: BTreeMap<String, Arc<Module>>,
     /// What the user should know.
     pub notes: Vec<String>,
+    /// What the session keeps, which must not be given up while this is there.
+    held: Vec<Arc<dyn Any + Send + Sync>>,
 }
 
-impl<'a> SceneData<'a> {
-    /// Reads what `scene` names beside its own volume, which is `own`, with `notes` about it.
+impl SceneData {
+    /// Has `session` read what `scene` names, with the volume that `own` says as its own.
     pub fn load(
+        session: &Session,
         scene: &Scene,
-        own: Cow<'a, Volume>,
-        notes: Vec<String>,
-    ) -> Result<SceneData<'a>, Error> {
+        own: Own,
+        control: &Control,
+    ) -> Result<SceneData, Error> {
         let level = scene.volume.as_ref().and_then(|volume| volume.level);
         let mut data = SceneData {
-            volumes: vec![at_level(own, level)?],
+            volumes: Vec::new(),
             masks: Vec::new(),
             meshes: Vec::new(),
             labels: None,
             modules: BTreeMap::new(),
-            notes,
+            notes: Vec::new(),
+            held: Vec::new(),
         };
+        let reading = Reading { session, control };
+        let own = match own {
+            Own::Volume(volume) => volume.clone(),
+            Own::Phantom(phantom, dims) => data.hold(session.phantom(phantom, dims, control)?),
+            Own::Files(paths, options) => data.read_files(reading, &paths, &options)?,
+        };
+        data.add_volume(reading, own, level)?;
         for object in scene.objects.iter().flatten() {
             if let Some(source) = &object.volume {
-                let volume = data.read_volume(source)?;
-                data.volumes
-                    .push(at_level(Cow::Owned(volume), source.level)?);
+                let volume = data.read_volume(reading, source)?;
+                data.add_volume(reading, volume, source.level)?;
             }
             if let Some(path) = &object.mesh {
                 let path = Path::new(path);
                 fs::metadata(path).map_err(|error| Error::path(path, error))?;
-                let loaded = read_mesh(&file_name(path), &Folder::around(path), None)?;
-                data.notes.extend(loaded.notes);
-                data.meshes.push(loaded.mesh);
+                let read = session.mesh(path, control, || {
+                    let (name, folder) = (file_name(path), Folder::around(path));
+                    Ok(read_mesh_under(&name, &folder, None, control)?)
+                })?;
+                data.notes.extend(read.value.notes.iter().cloned());
+                data.meshes.push(read.value.mesh.clone());
+                data.held.push(read);
             }
         }
         for (i, clip) in scene.clips.iter().flatten().enumerate() {
             if let Clip::Mask(mask) = clip {
-                let mask = data.read_mask(mask, &format!("clips[{i}]"))?;
+                let mask = data.read_mask(reading, mask, &format!("clips[{i}]"))?;
                 data.masks.push(mask);
             }
         }
         if let Some(labels) = &scene.labels {
-            data.labels = Some(*data.read_labels(&labels.path)?.grid());
+            data.labels = Some(*data.read_labels(reading, &labels.path)?.value.0.grid());
             data.notes.push(
                 "the labels lie on the volume's grid; drawing them is not there yet (a clip `mask` with `labels` shows or hides some)"
                     .into(),
@@ -78,34 +110,85 @@ impl<'a> SceneData<'a> {
         Ok(data)
     }
 
-    fn read_volume(&mut self, source: &VolumeSource) -> Result<Volume, Error> {
+    /// A volume that the session keeps.
+    fn hold(&mut self, volume: Arc<Volume>) -> Volume {
+        self.held.push(volume.clone());
+        Volume::clone(&volume)
+    }
+
+    /// Adds `volume`, as coarse as a scene says.
+    fn add_volume(
+        &mut self,
+        Reading { session, control }: Reading,
+        volume: Volume,
+        level: Option<f64>,
+    ) -> Result<(), Error> {
+        let volume = match level {
+            // What is no level is refused with the rest of the scene.
+            Some(level) if level > 0.0 && level.is_finite() => {
+                self.hold(session.level(&volume, level, control)?)
+            }
+            _ => volume,
+        };
+        self.volumes.push(volume);
+        Ok(())
+    }
+
+    fn read_volume(&mut self, reading: Reading, source: &VolumeSource) -> Result<Volume, Error> {
         let options = source.read_options()?;
         // One of the two is there and known, as has just been checked.
         if let Some(phantom) = source.phantom.as_deref().and_then(Phantom::from_name) {
-            return Ok(phantom.volume(source.dims.unwrap_or(phantom.default_dims()))?);
+            let dims = source.dims.unwrap_or(phantom.default_dims());
+            let Reading { session, control } = reading;
+            return Ok(self.hold(session.phantom(phantom, dims, control)?));
         }
         let path = PathBuf::from(source.path.clone().unwrap_or_default());
-        let loaded = load_with_progress(&[path], &options, &|_| ())?;
-        self.notes.extend(loaded.notes);
-        Ok(loaded.volume)
+        self.read_files(reading, &[path], &options)
+    }
+
+    fn read_files(
+        &mut self,
+        Reading { session, control }: Reading,
+        paths: &[PathBuf],
+        options: &ReadOptions,
+    ) -> Result<Volume, Error> {
+        let read = session.volume(paths, options, control)?;
+        self.notes.extend(read.value.notes.iter().cloned());
+        let volume = read.value.volume.clone();
+        self.held.push(read);
+        Ok(volume)
     }
 
     /// The mask of a clip, which is at `place` in the scene.
-    fn read_mask(&mut self, clip: &MaskClip, place: &str) -> Result<Volume, Error> {
+    fn read_mask(
+        &mut self,
+        reading: Reading,
+        clip: &MaskClip,
+        place: &str,
+    ) -> Result<Volume, Error> {
+        let Reading { session, control } = reading;
         if clip.labels.is_none() {
-            return Ok(load(&clip.path, &ReadOptions::default())?.volume);
+            let options = ReadOptions::default();
+            let read = session.volume(&[PathBuf::from(&clip.path)], &options, control)?;
+            let volume = read.value.volume.clone();
+            self.held.push(read);
+            return Ok(volume);
         }
-        let labels = self.read_labels(&clip.path)?;
-        let ids = clip.label_ids(place, &labels)?;
-        Ok(labels.mask(&ids))
+        let labels = self.read_labels(reading, &clip.path)?;
+        let labels = &labels.value.0;
+        let ids = clip.label_ids(place, labels)?;
+        Ok(self.hold(session.mask(&clip.path, &ids, labels, control)?))
     }
 
-    fn read_labels(&mut self, path: &str) -> Result<LabelVolume, Error> {
-        let loaded = load(path, &ReadOptions::default())?;
-        let notes = loaded.notes.iter().map(|note| format!("{path}: {note}"));
+    fn read_labels(
+        &mut self,
+        Reading { session, control }: Reading,
+        path: &str,
+    ) -> Result<Arc<Read<(LabelVolume, Vec<String>)>>, Error> {
+        let read = session.labels(path, control)?;
+        let notes = read.value.1.iter().map(|note| format!("{path}: {note}"));
         self.notes.extend(notes);
-        let labels = LabelVolume::from_volume(loaded.volume, loaded.labels.unwrap_or_default());
-        labels.map_err(|error| error.in_file(path).into())
+        Ok(read)
     }
 
     /// What resolving a scene has to know.
@@ -124,21 +207,12 @@ impl<'a> SceneData<'a> {
     }
 
     /// What a renderer draws from.
-    pub fn datasets(&self) -> Datasets<'_> {
+    pub fn datasets(&self) -> Datasets {
         Datasets {
-            volumes: self.volumes.iter().map(|volume| &**volume).collect(),
-            masks: self.masks.iter().collect(),
-            meshes: self.meshes.iter().collect(),
+            volumes: self.volumes.clone(),
+            masks: self.masks.clone(),
+            meshes: self.meshes.clone(),
         }
-    }
-}
-
-/// `volume` as coarse as a scene says.
-fn at_level(volume: Cow<'_, Volume>, level: Option<f64>) -> Result<Cow<'_, Volume>, Error> {
-    match level {
-        // What is no level is refused with the rest of the scene.
-        Some(level) if level > 0.0 && level.is_finite() => Ok(Cow::Owned(volume.at_level(level)?)),
-        _ => Ok(volume),
     }
 }
 

@@ -1,7 +1,8 @@
 //! How far from straight the voxels of each brick lie: what bounds the way from trilinear to cubic reconstruction.
 
 use crate::bricks::{dims, touched};
-use crate::{Sample, Volume, with_samples};
+use crate::rows::{for_each_row, made};
+use crate::{Cancelled, Control, Sample, Volume, Work, with_samples};
 use std::ops::Range;
 
 /// Bounds of the second differences (v₋₁ − 2·v₀ + v₁ along an axis; beyond the border there is the voxel at the border
@@ -28,6 +29,21 @@ use std::ops::Range;
 /// # Panics
 /// If `edge` is 0.
 pub fn bends(volume: &Volume, edge: usize) -> Vec<[f32; 2]> {
+    made(bends_under(volume, edge, &Control::NONE))
+}
+
+/// The same under `control`.
+///
+/// # Errors
+/// It was cancelled.
+///
+/// # Panics
+/// If `edge` is 0.
+pub fn bends_under(
+    volume: &Volume,
+    edge: usize,
+    control: &Control,
+) -> Result<Vec<[f32; 2]>, Cancelled> {
     assert!(edge > 0, "bricks of no cells");
     let voxels = volume.grid().dims();
     let dims = dims(voxels, edge);
@@ -43,19 +59,9 @@ pub fn bends(volume: &Volume, edge: usize) -> Vec<[f32; 2]> {
             block.bends(edge, &own, &wide, of_bricks);
         });
     };
-    #[cfg(feature = "threads")]
-    {
-        use rayon::prelude::*;
-        of_bricks
-            .par_chunks_mut(dims[0])
-            .enumerate()
-            .for_each(|(row, of_bricks)| of_row(row, of_bricks));
-    }
-    #[cfg(not(feature = "threads"))]
-    for (row, of_bricks) in of_bricks.chunks_mut(dims[0]).enumerate() {
-        of_row(row, of_bricks);
-    }
-    of_bricks
+    let parts = control.parts(Work::Preparing, dims[1] * dims[2]);
+    for_each_row(&mut of_bricks, dims[0], &parts, of_row)?;
+    Ok(of_bricks)
 }
 
 /// The rows of voxels around a row of bricks.

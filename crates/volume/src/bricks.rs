@@ -1,6 +1,9 @@
 //! Min/max bricks: what range of numbers a block of a volume can give, the basis of skipping.
 
-use crate::{Grid, Sample, Samples, Volume, with_samples};
+use crate::rows::{for_each_row, made};
+use crate::{
+    Cancelled, ContentId, Control, Grid, Key, Sample, Samples, Volume, Work, with_samples,
+};
 use std::ops::Range;
 
 /// The smallest and the largest number that reconstruction can find in each brick of a volume.
@@ -68,6 +71,35 @@ impl Ranges {
     }
 }
 
+/// Key of the bricks of a volume.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BricksOf {
+    volume: ContentId,
+    edge: usize,
+    reach: usize,
+}
+
+impl BricksOf {
+    /// Those that [`Bricks::with_reach`] makes.
+    pub fn new(volume: &Volume, edge: usize, reach: usize) -> BricksOf {
+        BricksOf {
+            volume: volume.id(),
+            edge,
+            reach,
+        }
+    }
+}
+
+impl Key for BricksOf {
+    type Value = Bricks;
+
+    const NAME: &str = "bricks";
+
+    fn bytes(&self, value: &Bricks) -> usize {
+        size_of::<(BricksOf, Bricks)>() + value.bytes()
+    }
+}
+
 /// The numbers of a brick, both ends included.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BrickRange {
@@ -122,10 +154,32 @@ impl Bricks {
     /// # Panics
     /// If `edge` is not a power of two.
     pub fn with_reach(volume: &Volume, edge: usize, reach: usize) -> Bricks {
-        Bricks::of(volume.grid(), volume.samples(), edge, reach)
+        made(Bricks::under(volume, edge, reach, &Control::NONE))
     }
 
-    fn of(grid: &Grid, samples: &Samples, edge: usize, reach: usize) -> Bricks {
+    /// The same under `control`.
+    ///
+    /// # Errors
+    /// It was cancelled.
+    ///
+    /// # Panics
+    /// If `edge` is not a power of two.
+    pub fn under(
+        volume: &Volume,
+        edge: usize,
+        reach: usize,
+        control: &Control,
+    ) -> Result<Bricks, Cancelled> {
+        Bricks::of(volume.grid(), volume.samples(), edge, reach, control)
+    }
+
+    fn of(
+        grid: &Grid,
+        samples: &Samples,
+        edge: usize,
+        reach: usize,
+        control: &Control,
+    ) -> Result<Bricks, Cancelled> {
         assert!(edge.is_power_of_two(), "bricks of {edge} cells");
         let voxels = grid.dims();
         let dims = dims(voxels, edge);
@@ -134,27 +188,32 @@ impl Bricks {
             reach,
             voxels,
             dims,
+            control,
         };
         let ranges = match samples {
-            Samples::U8(samples) => Ranges::U8(bricks.ranges(samples, |s| s, [u8::MAX, u8::MIN])),
-            Samples::I8(samples) => Ranges::I8(bricks.ranges(samples, |s| s, [i8::MAX, i8::MIN])),
+            Samples::U8(samples) => {
+                Ranges::U8(bricks.ranges(samples, |s| s, [u8::MAX, u8::MIN])?)
+            }
+            Samples::I8(samples) => {
+                Ranges::I8(bricks.ranges(samples, |s| s, [i8::MAX, i8::MIN])?)
+            }
             Samples::U16(samples) => {
-                Ranges::U16(bricks.ranges(samples, |s| s, [u16::MAX, u16::MIN]))
+                Ranges::U16(bricks.ranges(samples, |s| s, [u16::MAX, u16::MIN])?)
             }
             Samples::I16(samples) => {
-                Ranges::I16(bricks.ranges(samples, |s| s, [i16::MAX, i16::MIN]))
+                Ranges::I16(bricks.ranges(samples, |s| s, [i16::MAX, i16::MIN])?)
             }
             _ => {
                 let BrickRange { lo, hi } = BrickRange::EMPTY;
-                with_samples!(samples, s => Ranges::F32(bricks.ranges(s, Sample::to_f32, [lo, hi])))
+                with_samples!(samples, s => Ranges::F32(bricks.ranges(s, Sample::to_f32, [lo, hi])?))
             }
         };
-        Bricks {
+        Ok(Bricks {
             edge,
             reach,
             dims,
             ranges,
-        }
+        })
     }
 
     /// Cells along the edge of these bricks.
@@ -191,40 +250,60 @@ impl Bricks {
         self.ranges.number()
     }
 
+    /// Bytes of all ranges.
+    pub fn bytes(&self) -> usize {
+        let of_range = match self.ranges {
+            Ranges::U8(_) | Ranges::I8(_) => 2,
+            Ranges::U16(_) | Ranges::I16(_) => 4,
+            Ranges::F32(_) => 8,
+        };
+        of_range * self.number()
+    }
+
     /// All ranges, x fastest.
     pub fn ranges(&self) -> impl ExactSizeIterator<Item = BrickRange> {
         (0..self.number()).map(|brick| self.ranges.get(brick))
     }
 
     /// What `of` makes of every range, x fastest; on all cores.
-    pub fn map<T: Send>(&self, of: impl Fn(BrickRange) -> T + Sync) -> Vec<T> {
-        let of_brick = |brick| of(self.ranges.get(brick));
-        #[cfg(feature = "threads")]
-        {
-            use rayon::prelude::*;
-            // A task takes longer than handing it over.
-            (0..self.number())
-                .into_par_iter()
-                .with_min_len(4096)
-                .map(of_brick)
-                .collect()
-        }
-        #[cfg(not(feature = "threads"))]
-        (0..self.number()).map(of_brick).collect()
+    pub fn map<T: Copy + Default + Send>(&self, of: impl Fn(BrickRange) -> T + Sync) -> Vec<T> {
+        made(self.map_under(&Control::NONE, of))
+    }
+
+    /// The same under `control`.
+    ///
+    /// # Errors
+    /// It was cancelled.
+    pub fn map_under<T: Copy + Default + Send>(
+        &self,
+        control: &Control,
+        of: impl Fn(BrickRange) -> T + Sync,
+    ) -> Result<Vec<T>, Cancelled> {
+        // A task takes longer than handing it over.
+        const BRICKS: usize = 4096;
+        let mut all = vec![T::default(); self.number()];
+        let parts = control.parts(Work::Preparing, self.number().div_ceil(BRICKS));
+        for_each_row(&mut all, BRICKS, &parts, |row, all| {
+            for (brick, made) in (row * BRICKS..).zip(all) {
+                *made = of(self.ranges.get(brick));
+            }
+        })?;
+        Ok(all)
     }
 }
 
 /// How a volume is cut into bricks.
-struct Blocks {
+struct Blocks<'c> {
     edge: usize,
     reach: usize,
     /// Number of voxels along x, y, z.
     voxels: [usize; 3],
     /// Number of bricks along x, y, z.
     dims: [usize; 3],
+    control: &'c Control,
 }
 
-impl Blocks {
+impl Blocks<'_> {
     /// The smallest and the largest of the `numbers` of samples in each brick; `empty` is the range of none.
     ///
     /// One row of bricks (along x) after the other: first the range over y and z of every voxel column,
@@ -234,7 +313,7 @@ impl Blocks {
         samples: &[T],
         number: impl Fn(T) -> N + Sync,
         empty: [N; 2],
-    ) -> Vec<[N; 2]> {
+    ) -> Result<Vec<[N; 2]>, Cancelled> {
         let [nx, ny, nz] = self.voxels;
         // Written so that NaN changes neither end.
         let smaller = |a: N, b: N| if b < a { b } else { a };
@@ -261,19 +340,10 @@ impl Blocks {
             }
         };
         let mut ranges = vec![empty; self.dims.iter().product()];
-        #[cfg(feature = "threads")]
-        {
-            use rayon::prelude::*;
-            ranges
-                .par_chunks_mut(self.dims[0])
-                .enumerate()
-                .for_each(|(row, ranges)| row_of_bricks(row, ranges));
-        }
-        #[cfg(not(feature = "threads"))]
-        for (row, ranges) in ranges.chunks_mut(self.dims[0]).enumerate() {
-            row_of_bricks(row, ranges);
-        }
-        ranges
+        let rows = self.dims[1] * self.dims[2];
+        let parts = self.control.parts(Work::Preparing, rows);
+        for_each_row(&mut ranges, self.dims[0], &parts, row_of_bricks)?;
+        Ok(ranges)
     }
 
     /// The voxels that brick `brick` covers on an axis of `n` voxels.
@@ -345,8 +415,9 @@ mod tests {
                 _ => Samples::F32(noise.map(|n| if n % 5 == 0 { f32::NAN } else { n as f32 - 3e4 }).collect()),
             };
             let grid = Grid::centred(voxels, glam::DVec3::ONE).unwrap();
-            let bricks = Bricks::of(&grid, &samples, edge, reach);
-            prop_assert_eq!(bricks.map(|range| range), bricks.ranges().collect::<Vec<_>>());
+            let bricks = made(Bricks::of(&grid, &samples, edge, reach, &Control::NONE));
+            let ends = |range: BrickRange| [range.lo, range.hi];
+            prop_assert_eq!(bricks.map(ends), bricks.ranges().map(ends).collect::<Vec<_>>());
             for z in 0..bricks.dims()[2] {
                 for y in 0..bricks.dims()[1] {
                     for x in 0..bricks.dims()[0] {
@@ -364,15 +435,17 @@ mod tests {
     fn number_of_bricks_covers_every_cell() {
         for (voxels, bricks) in [(1, 1), (2, 1), (9, 1), (10, 2), (17, 2), (18, 3)] {
             let grid = Grid::centred([voxels, 1, 1], glam::DVec3::ONE).unwrap();
-            let made = Bricks::of(&grid, &Samples::U8(vec![0; voxels]), 8, 0);
-            assert_eq!(made.dims(), [bricks, 1, 1], "{voxels} voxels");
+            let samples = Samples::U8(vec![0; voxels]);
+            let found = made(Bricks::of(&grid, &samples, 8, 0, &Control::NONE));
+            assert_eq!(found.dims(), [bricks, 1, 1], "{voxels} voxels");
         }
     }
 
     #[test]
     fn nothing_but_nan_is_an_empty_range() {
         let grid = Grid::centred([2, 2, 2], glam::DVec3::ONE).unwrap();
-        let bricks = Bricks::of(&grid, &Samples::F64(vec![f64::NAN; 8]), 8, 0);
+        let samples = Samples::F64(vec![f64::NAN; 8]);
+        let bricks = made(Bricks::of(&grid, &samples, 8, 0, &Control::NONE));
         assert!(bricks.range([0, 0, 0]).is_empty());
     }
 }

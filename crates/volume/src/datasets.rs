@@ -2,31 +2,45 @@
 
 use crate::{Mesh, Volume};
 
-/// The data that one picture is drawn from, in the order in which a Plan counts it.
+/// The data that one picture is drawn from, in the order in which a Plan counts it. Volumes and meshes share their
+/// content with those that they were cloned from.
 ///
 /// ```
 /// use strahl_volume::{Datasets, Phantom};
 /// let volume = Phantom::Tree.volume([8, 8, 8])?;
 /// let data = Datasets::from(&volume);
-/// assert_eq!(data.volumes.len(), 1);
+/// assert_eq!(data.volumes[0].id(), volume.id());
 /// # Ok::<(), strahl_volume::Error>(())
 /// ```
 #[derive(Clone, Debug, Default)]
-pub struct Datasets<'v> {
+pub struct Datasets {
     /// The volumes that objects show.
-    pub volumes: Vec<&'v Volume>,
+    pub volumes: Vec<Volume>,
     /// The volumes that clips take as masks.
-    pub masks: Vec<&'v Volume>,
+    pub masks: Vec<Volume>,
     /// The opaque surfaces.
-    pub meshes: Vec<&'v Mesh>,
+    pub meshes: Vec<Mesh>,
 }
 
-impl<'v> From<&'v Volume> for Datasets<'v> {
+impl From<Volume> for Datasets {
     /// One volume and nothing else.
-    fn from(volume: &'v Volume) -> Datasets<'v> {
+    fn from(volume: Volume) -> Datasets {
         Datasets {
             volumes: vec![volume],
             ..Datasets::default()
         }
+    }
+}
+
+impl From<&Volume> for Datasets {
+    /// One volume and nothing else.
+    fn from(volume: &Volume) -> Datasets {
+        volume.clone().into()
+    }
+}
+
+impl From<&Datasets> for Datasets {
+    fn from(data: &Datasets) -> Datasets {
+        data.clone()
     }
 }

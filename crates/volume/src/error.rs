@@ -1,5 +1,6 @@
 //! What can go wrong with stored data, in words that name the file, the field and what would be right.
 
+use crate::Cancelled;
 use std::fmt;
 
 /// An error of this crate: what went wrong and, once a reader has said so, in which file.
@@ -32,6 +33,9 @@ pub enum Remedy {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ErrorKind {
+    /// Whoever asked for it ended it by its [`Control`](crate::Control).
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
     /// The operating system could not read or write.
     #[error("{0}")]
     Io(#[from] std::io::Error),
@@ -135,9 +139,12 @@ impl Error {
         .into()
     }
 
-    /// The same error, said of `file`, unless a file is already named.
+    /// The same error, said of `file`, unless a file is already named. (That the work was cancelled says nothing of
+    /// any file.)
     pub fn in_file(mut self, file: &str) -> Error {
-        self.file.get_or_insert_with(|| file.to_owned());
+        if !self.is_cancelled() {
+            self.file.get_or_insert_with(|| file.to_owned());
+        }
         self
     }
 
@@ -150,6 +157,11 @@ impl Error {
     /// What the caller can say so that the file is read, if that would help.
     pub fn remedy(&self) -> Option<Remedy> {
         self.remedy
+    }
+
+    /// Whether nothing went wrong, but whoever asked for it ended it.
+    pub fn is_cancelled(&self) -> bool {
+        matches!(*self.kind, ErrorKind::Cancelled(_))
     }
 
     /// What went wrong.
@@ -182,6 +194,12 @@ impl From<ErrorKind> for Error {
             kind: Box::new(kind),
             remedy: None,
         }
+    }
+}
+
+impl From<Cancelled> for Error {
+    fn from(cancelled: Cancelled) -> Error {
+        ErrorKind::Cancelled(cancelled).into()
     }
 }
 

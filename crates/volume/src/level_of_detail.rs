@@ -1,6 +1,7 @@
 //! Coarser versions of a volume: mip levels, and steps between them (L. Williams 1983).
 
-use crate::{Error, Grid, Sample, Samples, Volume, with_samples};
+use crate::rows::for_each_row;
+use crate::{Cancelled, Control, Error, Grid, Sample, Samples, Volume, Work, with_samples};
 use glam::{DAffine3, DVec3};
 
 impl Volume {
@@ -29,6 +30,14 @@ impl Volume {
     /// # Errors
     /// A level outside 0 to `mip_levels() - 1`.
     pub fn at_level(&self, level: f64) -> Result<Volume, Error> {
+        self.at_level_under(level, &Control::NONE)
+    }
+
+    /// The same under `control`, with its values counted.
+    ///
+    /// # Errors
+    /// As [`at_level`](Volume::at_level); it was cancelled.
+    pub fn at_level_under(&self, level: f64, control: &Control) -> Result<Volume, Error> {
         let last = self.mip_levels() - 1;
         // NaN is in no range.
         if !(0.0..=last as f64).contains(&level) {
@@ -44,21 +53,26 @@ impl Volume {
         let (mut grid, mut samples) = (*self.grid(), None);
         for _ in 0..level as usize {
             let finer = samples.as_ref().unwrap_or(self.samples());
-            (grid, samples) = halved(&grid, finer).map(|(grid, halves)| (grid, Some(halves)))?;
+            (grid, samples) =
+                halved(&grid, finer, control).map(|(grid, halves)| (grid, Some(halves)))?;
         }
         let fraction = level.fract();
         if fraction > 0.0 {
             let finer = samples.as_ref().unwrap_or(self.samples());
-            let (_, coarser) = halved(&grid, finer)?;
-            samples =
-                Some(with_samples!(finer, finer => mixed(grid.dims(), finer, &coarser, fraction)));
+            let (_, coarser) = halved(&grid, finer, control)?;
+            let dims = grid.dims();
+            let finer =
+                with_samples!(finer, finer => mixed(dims, finer, &coarser, fraction, control)?);
+            samples = Some(finer);
         }
         let mut metadata = self.metadata().clone();
         metadata
             .entries
             .push(("level of detail".into(), level.to_string()));
         let samples = samples.unwrap_or_else(|| self.samples().clone());
-        Volume::new(grid, samples, self.rescale(), metadata)
+        let volume = Volume::new(grid, samples, self.rescale(), metadata)?;
+        volume.statistics_under(control)?;
+        Ok(volume)
     }
 }
 
@@ -107,7 +121,7 @@ fn halved_axis(n: usize) -> (Vec<Shares>, f64, f64) {
     }
 }
 
-fn halved(grid: &Grid, samples: &Samples) -> Result<(Grid, Samples), Error> {
+fn halved(grid: &Grid, samples: &Samples, control: &Control) -> Result<(Grid, Samples), Error> {
     let axes = grid.dims().map(halved_axis);
     let [start, step] = [
         DVec3::from_array(axes.each_ref().map(|(_, start, _)| *start)),
@@ -118,11 +132,16 @@ fn halved(grid: &Grid, samples: &Samples) -> Result<(Grid, Samples), Error> {
     let dims = axes.each_ref().map(|(shares, ..)| shares.len());
     let coarser = Grid::new(dims, grid.world_from_voxel() * finer_from_coarser)?;
     let shares = axes.map(|(shares, ..)| shares);
-    let samples = with_samples!(samples, samples => means(grid.dims(), samples, &shares));
+    let samples = with_samples!(samples, samples => means(grid.dims(), samples, &shares, control)?);
     Ok((coarser, samples))
 }
 
-fn means<T: Sample>(dims: [usize; 3], finer: &[T], shares: &[Vec<Shares>; 3]) -> Samples {
+fn means<T: Sample>(
+    dims: [usize; 3],
+    finer: &[T],
+    shares: &[Vec<Shares>; 3],
+    control: &Control,
+) -> Result<Samples, Cancelled> {
     let [nx, ny, _] = dims;
     let [xs, ys, zs] = shares;
     let row = |row: usize, out: &mut [T]| {
@@ -144,11 +163,17 @@ fn means<T: Sample>(dims: [usize; 3], finer: &[T], shares: &[Vec<Shares>; 3]) ->
             *out = rounded(if weight > 0.0 { sum / weight } else { f64::NAN });
         }
     };
-    rows(xs.len(), ys.len() * zs.len(), row)
+    rows(xs.len(), ys.len() * zs.len(), control, row)
 }
 
 /// Each voxel of the finer level and the coarser level at its place, mixed by `fraction`.
-fn mixed<T: Sample>(dims: [usize; 3], finer: &[T], coarser: &Samples, fraction: f64) -> Samples {
+fn mixed<T: Sample>(
+    dims: [usize; 3],
+    finer: &[T],
+    coarser: &Samples,
+    fraction: f64,
+    control: &Control,
+) -> Result<Samples, Cancelled> {
     let Some(coarser) = T::of(coarser) else {
         unreachable!("levels of a volume have its sample type");
     };
@@ -196,7 +221,7 @@ fn mixed<T: Sample>(dims: [usize; 3], finer: &[T], coarser: &Samples, fraction: 
             });
         }
     };
-    rows(nx, ny * nz, row)
+    rows(nx, ny * nz, control, row)
 }
 
 /// To even, so that means of many levels do not creep upwards.
@@ -208,22 +233,22 @@ fn rounded<T: Sample>(value: f64) -> T {
     })
 }
 
-/// `count` rows of `length` samples, each made by `row`, on all cores (feature `threads`).
-fn rows<T: Sample>(length: usize, count: usize, row: impl Fn(usize, &mut [T]) + Sync) -> Samples {
-    let mut samples = vec![T::from_f64(0.0); length * count];
-    #[cfg(feature = "threads")]
-    {
-        use rayon::prelude::*;
-        samples
-            .par_chunks_mut(length)
-            .enumerate()
-            .for_each(|(index, out)| row(index, out));
-    }
-    #[cfg(not(feature = "threads"))]
-    for (index, out) in samples.chunks_mut(length).enumerate() {
-        row(index, out);
-    }
-    T::wrap(samples)
+/// `count` rows of `length` samples, each made by `row`.
+fn rows<T: Sample>(
+    length: usize,
+    count: usize,
+    control: &Control,
+    row: impl Fn(usize, &mut [T]) + Sync,
+) -> Result<Samples, Cancelled> {
+    // (Zero in the bits, which the system hands out without writing it.)
+    let mut samples = vec![T::zeroed(); length * count];
+    for_each_row(
+        &mut samples,
+        length,
+        &control.parts(Work::Reading, count),
+        row,
+    )?;
+    Ok(T::wrap(samples))
 }
 
 #[cfg(test)]

@@ -23,6 +23,8 @@
 
 pub mod bends;
 pub mod bricks;
+mod content_id;
+mod control;
 mod datasets;
 mod error;
 mod grid;
@@ -31,21 +33,27 @@ mod level_of_detail;
 mod mesh;
 mod prefilter;
 mod rescale;
+mod rows;
 mod samples;
 mod statistics;
+mod store;
 mod volume;
 
 pub mod phantom;
 pub mod read;
 pub mod write;
 
+pub use content_id::ContentId;
+pub use control::{Cancelled, Control, Parts, Work};
 pub use datasets::Datasets;
 pub use error::{Error, ErrorKind, Remedy};
 pub use grid::{Grid, voxel_count};
 pub use labels::{Label, LabelIds, LabelVolume};
 pub use mesh::Mesh;
 pub use phantom::Phantom;
+pub use prefilter::CoefficientsOf;
 pub use rescale::Rescale;
 pub use samples::{Sample, SampleType, Samples};
 pub use statistics::Statistics;
+pub use store::{Counts, Key, Store};
 pub use volume::{Metadata, Modality, Volume, VolumeHeader};

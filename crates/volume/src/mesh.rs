@@ -1,11 +1,13 @@
 //! Triangle meshes: opaque surfaces that are drawn together with volumes.
 
-use crate::{Error, Grid};
+use crate::{ContentId, Error, Grid};
 use glam::{DAffine3, DVec3, Vec3};
 use std::borrow::Cow;
+use std::sync::Arc;
 
 /// A surface of triangles in the world of the volumes: RAS, millimetres. Seen from its front, the
-/// corners of a triangle run counter-clockwise. Immutable once made.
+/// corners of a triangle run counter-clockwise. Immutable once made; clones share its content and its
+/// [`id`](Mesh::id).
 ///
 /// ```
 /// use strahl_volume::Mesh;
@@ -15,8 +17,14 @@ use std::borrow::Cow;
 /// assert_eq!(mesh.vertex_normals()[0], [0.0, 0.0, 1.0]);
 /// # Ok::<(), strahl_volume::Error>(())
 /// ```
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Mesh {
+    id: ContentId,
+    surface: Arc<Surface>,
+}
+
+#[derive(Debug, PartialEq)]
+struct Surface {
     positions: Vec<[f32; 3]>,
     triangles: Vec<[u32; 3]>,
     normals: Option<Vec<[f32; 3]>>,
@@ -69,38 +77,46 @@ impl Mesh {
         let nothing = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         let bounds_mm = corners.fold(nothing, |(lo, hi), c| (lo.min(c), hi.max(c)));
         Ok(Mesh {
-            positions,
-            triangles,
-            normals,
-            bounds_mm,
+            id: ContentId::unique(),
+            surface: Arc::new(Surface {
+                positions,
+                triangles,
+                normals,
+                bounds_mm,
+            }),
         })
+    }
+
+    /// What clones of this mesh have in common, and no other mesh has.
+    pub fn id(&self) -> ContentId {
+        self.id
     }
 
     /// Where the vertices lie, RAS mm.
     pub fn positions(&self) -> &[[f32; 3]] {
-        &self.positions
+        &self.surface.positions
     }
 
     /// Three indices into [`Mesh::positions`] each.
     pub fn triangles(&self) -> &[[u32; 3]] {
-        &self.triangles
+        &self.surface.triangles
     }
 
     /// The normals that came with the mesh: one per position, of unit length, or 0.
     pub fn normals(&self) -> Option<&[[f32; 3]]> {
-        self.normals.as_deref()
+        self.surface.normals.as_deref()
     }
 
     /// One normal per position: those that came with the mesh, else the mean of the normals of the
     /// triangles around, weighted by their areas (H. Gouraud 1971, with weights). 0 where no triangle
     /// with an area is, or where opposite ones cancel out.
     pub fn vertex_normals(&self) -> Cow<'_, [[f32; 3]]> {
-        if let Some(normals) = &self.normals {
+        if let Some(normals) = &self.surface.normals {
             return Cow::Borrowed(normals);
         }
-        let mut sums = vec![DVec3::ZERO; self.positions.len()];
-        for triangle in &self.triangles {
-            let [a, b, c] = triangle.map(|corner| position(&self.positions, corner));
+        let mut sums = vec![DVec3::ZERO; self.surface.positions.len()];
+        for triangle in &self.surface.triangles {
+            let [a, b, c] = triangle.map(|corner| position(&self.surface.positions, corner));
             // Twice the area long.
             let normal = (b - a).cross(c - a);
             for &corner in triangle {
@@ -117,7 +133,7 @@ impl Mesh {
 
     /// Axis-aligned box around all triangles in RAS mm: (smallest corner, largest corner).
     pub fn bounds_mm(&self) -> (DVec3, DVec3) {
-        self.bounds_mm
+        self.surface.bounds_mm
     }
 
     /// The mesh moved by `to_from_mesh`. A map that mirrors turns the triangles around too, so that
@@ -147,6 +163,7 @@ impl Mesh {
             normal.normalize_or_zero().as_vec3().to_array()
         };
         let triangles = self
+            .surface
             .triangles
             .iter()
             .map(|&[a, b, c]| match determinant > 0.0 {
@@ -154,12 +171,27 @@ impl Mesh {
                 false => [a, c, b],
             });
         Mesh::new(
-            self.positions.iter().map(moved).collect(),
+            self.surface.positions.iter().map(moved).collect(),
             triangles.collect(),
-            self.normals
+            self.surface
+                .normals
                 .as_ref()
                 .map(|normals| normals.iter().map(turned).collect()),
         )
+    }
+}
+
+/// By what they show, whatever their ids.
+impl PartialEq for Mesh {
+    fn eq(&self, other: &Mesh) -> bool {
+        self.surface == other.surface
+    }
+}
+
+impl From<&Mesh> for Mesh {
+    /// A clone.
+    fn from(mesh: &Mesh) -> Mesh {
+        mesh.clone()
     }
 }
 

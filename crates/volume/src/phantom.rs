@@ -22,7 +22,7 @@ mod solid;
 mod tree;
 
 use crate::{
-    Error, Grid, Label, LabelVolume, Metadata, Modality, Rescale, Sample, Samples, Volume,
+    Control, Error, Grid, Label, LabelVolume, Metadata, Modality, Rescale, Sample, Samples, Volume,
 };
 use anatomy::Anatomy;
 use glam::{DAffine3, DMat3, DVec3};
@@ -194,6 +194,14 @@ impl Phantom {
     /// # Errors
     /// Dimensions as in [`Grid::new`], or no memory for the samples.
     pub fn volume(&self, dims: [usize; 3]) -> Result<Volume, Error> {
+        self.volume_under(dims, &Control::NONE)
+    }
+
+    /// The same under `control`, with its values counted.
+    ///
+    /// # Errors
+    /// As [`Phantom::volume`]; it was cancelled.
+    pub fn volume_under(&self, dims: [usize; 3], control: &Control) -> Result<Volume, Error> {
         let grid = self.grid(dims)?;
         let rescale = match self {
             Phantom::MarschnerLobb | Phantom::Ramp | Phantom::Anatomy => Rescale::IDENTITY,
@@ -201,14 +209,17 @@ impl Phantom {
             _ => Rescale::new(1.0 / 255.0, 0.0),
         };
         let samples = match self {
-            Phantom::MarschnerLobb | Phantom::Ramp => self.sample::<f32>(&grid, rescale)?,
-            Phantom::Fog => self.sample::<u16>(&grid, rescale)?,
+            Phantom::MarschnerLobb | Phantom::Ramp => {
+                self.sample::<f32>(&grid, rescale, control)?
+            }
+            Phantom::Fog => self.sample::<u16>(&grid, rescale, control)?,
             Phantom::Anatomy => i16::wrap(blocks::fill(
                 &grid,
                 i16::from_f64(-1000.0),
                 Anatomy::scratch,
                 |bounds, head| Anatomy::whole().prune(bounds, head),
                 |p, head| i16::from_f64(anatomy::hounsfield(head, p)),
+                control,
             )?),
             Phantom::Tree => u8::wrap(blocks::fill(
                 &grid,
@@ -216,8 +227,9 @@ impl Phantom {
                 Solid::default,
                 tree::prune,
                 |p, branches| u8::from_f64(rescale.stored(tree::density(branches, p))),
+                control,
             )?),
-            _ => self.sample::<u8>(&grid, rescale)?,
+            _ => self.sample::<u8>(&grid, rescale, control)?,
         };
         let is_anatomy = *self == Phantom::Anatomy;
         let metadata = Metadata {
@@ -233,7 +245,9 @@ impl Phantom {
             time_points: 1,
             ..Metadata::default()
         };
-        Volume::new(grid, samples, rescale, metadata)
+        let volume = Volume::new(grid, samples, rescale, metadata)?;
+        volume.statistics_under(control)?;
+        Ok(volume)
     }
 
     /// The object that each voxel centre lies in (u8), with names and colours; none for phantoms without
@@ -252,6 +266,7 @@ impl Phantom {
             Anatomy::scratch,
             |bounds, head| Anatomy::whole().prune(bounds, head),
             |p, head| anatomy::tissue(head, p) as u8,
+            &Control::NONE,
         )?;
         let labels = anatomy::TISSUES
             .iter()
@@ -270,13 +285,19 @@ impl Phantom {
         LabelVolume::from_volume(volume, labels).map(Some)
     }
 
-    fn sample<T: Sample>(&self, grid: &Grid, rescale: Rescale) -> Result<Samples, Error> {
+    fn sample<T: Sample>(
+        &self,
+        grid: &Grid,
+        rescale: Rescale,
+        control: &Control,
+    ) -> Result<Samples, Error> {
         let samples = blocks::fill(
             grid,
             T::from_f64(0.0),
             || (),
             |_, _| true,
             |p, _| T::from_f64(rescale.stored(self.value(DVec3::from_array(p)))),
+            control,
         )?;
         Ok(T::wrap(samples))
     }

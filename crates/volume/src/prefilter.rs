@@ -12,7 +12,11 @@
 //! with clamped sampling. Mirroring about the centre of the voxel (… c b | a b c …), as in the papers, would
 //! be off by up to a third of the difference there.
 
-use crate::{Error, ErrorKind, Metadata, Rescale, Sample, Samples, Volume, with_samples};
+use crate::rows::for_each_row;
+use crate::{
+    Cancelled, ContentId, Control, Error, ErrorKind, Key, Metadata, Rescale, Sample, Samples,
+    Volume, Work, with_samples,
+};
 
 /// √3 − 2.
 const POLE: f64 = -0.267_949_192_431_122_7;
@@ -28,15 +32,24 @@ impl Volume {
     /// # Errors
     /// Voxels that are not finite or too large for f32: each would spoil the lines through it. No memory.
     pub fn b_spline_coefficients(&self) -> Result<Volume, Error> {
-        let [lo, hi] = self.statistics().range;
+        self.b_spline_coefficients_under(&Control::NONE)
+    }
+
+    /// The same under `control`.
+    ///
+    /// # Errors
+    /// As [`b_spline_coefficients`](Volume::b_spline_coefficients); it was cancelled.
+    pub fn b_spline_coefficients_under(&self, control: &Control) -> Result<Volume, Error> {
+        let statistics = self.statistics_under(control)?;
+        let [lo, hi] = statistics.range;
         let largest = lo.abs().max(hi.abs());
         // Coefficients are up to three times the values along each axis.
         let limit = f64::from(f32::MAX) / 27.0;
-        if self.statistics().not_finite > 0 || largest > limit {
+        if statistics.not_finite > 0 || largest > limit {
             return Err(ErrorKind::Unsupported {
                 feature: format!(
                     "a prefilter for a volume with {} voxels that are not finite and values up to {largest:e}",
-                    self.statistics().not_finite
+                    statistics.not_finite
                 ),
                 instead: "replace such voxels, or use the B-spline without prefilter".into(),
             }
@@ -50,13 +63,14 @@ impl Volume {
                 bytes: 4 * count as u64,
             })?;
         let rescale = self.rescale();
-        with_samples!(self.samples(), samples => coefficients.extend(
-            samples.iter().map(|s| rescale.value(s.to_f64()) as f32)
-        ));
+        with_samples!(self.samples(), samples => for samples in samples.chunks(PIECE) {
+            control.check()?;
+            coefficients.extend(samples.iter().map(|s| rescale.value(s.to_f64()) as f32));
+        });
         let [nx, ny, nz] = self.grid().dims();
-        along(&mut coefficients, nx, 1);
-        along(&mut coefficients, ny, nx);
-        along(&mut coefficients, nz, nx * ny);
+        along(&mut coefficients, nx, 1, control)?;
+        along(&mut coefficients, ny, nx, control)?;
+        along(&mut coefficients, nz, nx * ny, control)?;
         let metadata = Metadata {
             name: self.metadata().name.clone(),
             format: self.metadata().format.clone(),
@@ -73,27 +87,41 @@ impl Volume {
     }
 }
 
-/// Filters along the axis of `n` numbers that lie `stride` apart.
-fn along(numbers: &mut [f32], n: usize, stride: usize) {
-    if n == 1 {
-        return;
-    }
-    #[cfg(feature = "threads")]
-    {
-        use rayon::prelude::*;
-        numbers
-            .par_chunks_mut(n * stride)
-            .for_each(|block| filter(block, n, stride));
-    }
-    #[cfg(not(feature = "threads"))]
-    for block in numbers.chunks_mut(n * stride) {
-        filter(block, n, stride);
+/// Key of the [`b_spline_coefficients`](Volume::b_spline_coefficients) of a volume.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CoefficientsOf(pub ContentId);
+
+impl Key for CoefficientsOf {
+    type Value = Volume;
+
+    const NAME: &str = "B-spline coefficients";
+
+    fn bytes(&self, value: &Volume) -> usize {
+        value.samples().as_bytes().len()
     }
 }
 
+/// Filters along the axis of `n` numbers that lie `stride` apart.
+fn along(numbers: &mut [f32], n: usize, stride: usize, control: &Control) -> Result<(), Cancelled> {
+    if n == 1 {
+        return Ok(());
+    }
+    let blocks = numbers.len() / (n * stride);
+    let parts = control.parts(Work::Preparing, blocks);
+    for_each_row(numbers, n * stride, &parts, |_, block| {
+        filter(block, n, stride, control);
+    })
+}
+
+/// Numbers after which somebody looks at the control.
+const PIECE: usize = 1 << 18;
+
 /// Filters `stride` lines that lie side by side: number k of line i is at i + stride·k. Whole rows of
-/// lines go at once, in the order of memory.
-fn filter(block: &mut [f32], n: usize, stride: usize) {
+/// lines go at once, in the order of memory. Cancelled, it leaves anything.
+fn filter(block: &mut [f32], n: usize, stride: usize, control: &Control) {
+    // Short blocks are done before it matters.
+    let is_long = block.len() > PIECE;
+    let is_cancelled = || is_long && control.is_cancelled();
     // Causal: c⁺(k) = 6·s(k) + pole·c⁺(k − 1). What comes before the first number is the mirrored
     // rest of the line; with period 2n its sum is that of one period over 1 − pole^2n.
     let period = 1.0 - POLE.powi(2 * n as i32);
@@ -105,6 +133,9 @@ fn filter(block: &mut [f32], n: usize, stride: usize) {
         }
     };
     for k in 0..n.min(HORIZON) {
+        if is_cancelled() {
+            return;
+        }
         add(k, POLE.powi(k as i32 + 1) / period);
         add(n - 1 - k, POLE.powi((n + k) as i32 + 1) / period);
     }
@@ -113,6 +144,9 @@ fn filter(block: &mut [f32], n: usize, stride: usize) {
         *number = (GAIN * sum) as f32;
     }
     for k in 1..n {
+        if is_cancelled() {
+            return;
+        }
         let (before, now) = block.split_at_mut(k * stride);
         let before = &before[(k - 1) * stride..];
         row_by_row(&mut now[..stride], before, |now, before| {
@@ -124,6 +158,9 @@ fn filter(block: &mut [f32], n: usize, stride: usize) {
         *number = (f64::from(*number) * (POLE / (POLE - 1.0))) as f32;
     }
     for k in (0..n - 1).rev() {
+        if is_cancelled() {
+            return;
+        }
         let (now, after) = block.split_at_mut((k + 1) * stride);
         row_by_row(&mut now[k * stride..], &after[..stride], |now, after| {
             (POLE * (after - now)) as f32

@@ -24,10 +24,12 @@ mod sniff;
 mod tiff;
 mod unoriented;
 mod unpacked;
+mod watched;
 
-use crate::{Error, ErrorKind};
+use crate::{Control, Error, ErrorKind};
 use options::Open;
 use sniff::Kind;
+use watched::{Watched, uncancelled};
 
 pub(crate) use input::Input;
 pub use input::{Bytes, Files, MemoryFiles};
@@ -58,6 +60,41 @@ pub fn read_file(name: &str, files: &dyn Files, options: &ReadOptions) -> Result
 /// Whatever is wrong with the files; no volume in them; several, none picked by `options.series`.
 pub fn read_folder(name: &str, files: &dyn Files, options: &ReadOptions) -> Result<Loaded, Error> {
     folder(name, files, options).map_err(|error| error.in_file(name))
+}
+
+/// As [`read_file`] under `control`, which is told the share of the bytes that has been read. The values of the
+/// volume have been counted.
+///
+/// # Errors
+/// As [`read_file`]; it was cancelled.
+pub fn read_file_under(
+    name: &str,
+    files: &dyn Files,
+    options: &ReadOptions,
+    control: &Control,
+) -> Result<Loaded, Error> {
+    let read = read_file(name, &Watched::new(files, control), options);
+    counted(read, control)
+}
+
+/// As [`read_folder`] under `control`, as [`read_file_under`] has it.
+///
+/// # Errors
+/// As [`read_folder`]; it was cancelled.
+pub fn read_folder_under(
+    name: &str,
+    files: &dyn Files,
+    options: &ReadOptions,
+    control: &Control,
+) -> Result<Loaded, Error> {
+    let read = read_folder(name, &Watched::new(files, control), options);
+    counted(read, control)
+}
+
+fn counted(read: Result<Loaded, Error>, control: &Control) -> Result<Loaded, Error> {
+    let loaded = uncancelled(read, control)?;
+    loaded.volume.statistics_under(control)?;
+    Ok(loaded)
 }
 
 fn read_input(input: &Input, options: &ReadOptions) -> Result<Loaded, Error> {

@@ -1,6 +1,7 @@
 //! Range and histogram of the values of a volume.
 
-use crate::{Rescale, Sample, SampleType, Samples, with_samples};
+use crate::rows::made;
+use crate::{Cancelled, Control, Rescale, Sample, SampleType, Samples, with_samples};
 use bytemuck::Pod;
 
 /// Range and histogram of the values (not of the stored numbers).
@@ -21,7 +22,19 @@ impl Statistics {
 
     /// Scans all samples, several times for types wider than 16 bits.
     pub fn of(samples: &Samples, rescale: Rescale) -> Statistics {
-        with_samples!(samples, s => of(s, rescale))
+        made(Statistics::under(samples, rescale, &Control::NONE))
+    }
+
+    /// The same under `control`.
+    ///
+    /// # Errors
+    /// It was cancelled.
+    pub fn under(
+        samples: &Samples,
+        rescale: Rescale,
+        control: &Control,
+    ) -> Result<Statistics, Cancelled> {
+        with_samples!(samples, s => of(s, rescale, control))
     }
 
     /// The value below which a share `quantile` (0 to 1) of the counted samples lies, to the
@@ -43,12 +56,19 @@ impl Statistics {
     }
 }
 
-fn of<T: Sample>(samples: &[T], rescale: Rescale) -> Statistics {
+/// Samples between two looks at the control.
+const PIECE: usize = 1 << 18;
+
+fn of<T: Sample>(
+    samples: &[T],
+    rescale: Rescale,
+    control: &Control,
+) -> Result<Statistics, Cancelled> {
     let mut statistics = match T::TYPE.size() {
-        1 => of_counts::<T, u8>(samples),
-        2 => of_counts::<T, u16>(samples),
-        _ => of_values(samples),
-    };
+        1 => of_counts::<T, u8>(samples, control),
+        2 => of_counts::<T, u16>(samples, control),
+        _ => of_values(samples, control),
+    }?;
     let has_any = statistics.histogram.iter().any(|count| *count > 0);
     if has_any {
         statistics.range = statistics.range.map(|stored| rescale.value(stored));
@@ -57,22 +77,28 @@ fn of<T: Sample>(samples: &[T], rescale: Rescale) -> Statistics {
         statistics.range.reverse();
         statistics.histogram.reverse();
     }
-    statistics
+    Ok(statistics)
 }
 
 /// Of types with few numbers: one pass counts how often each occurs, the rest follows from that.
-fn of_counts<T: Sample, P: Pod + Into<usize>>(samples: &[T]) -> Statistics {
+fn of_counts<T: Sample, P: Pod + Into<usize>>(
+    samples: &[T],
+    control: &Control,
+) -> Result<Statistics, Cancelled> {
     let numbers = 1usize << (8 * size_of::<P>());
     // Neighbours are often equal; with a table for each of four in a row, none waits for another.
     let mut tables = vec![0u64; 4 * numbers];
     let patterns: &[P] = bytemuck::cast_slice(samples);
-    let fours = patterns.chunks_exact(4);
-    for &pattern in fours.remainder() {
+    let (fours, rest) = patterns.as_chunks::<4>();
+    for &pattern in rest {
         tables[4 * pattern.into()] += 1;
     }
-    for four in fours {
-        for (table, &pattern) in four.iter().enumerate() {
-            tables[4 * pattern.into() + table] += 1;
+    for fours in fours.chunks(PIECE / 4) {
+        control.check()?;
+        for four in fours {
+            for (table, &pattern) in four.iter().enumerate() {
+                tables[4 * pattern.into() + table] += 1;
+            }
         }
     }
     let counted = |pattern: usize| -> Option<(f64, u64)> {
@@ -93,34 +119,43 @@ fn of_counts<T: Sample, P: Pod + Into<usize>>(samples: &[T]) -> Statistics {
     for (number, count) in all() {
         bins.add(number, count);
     }
-    Statistics {
+    Ok(Statistics {
         range: [lo, hi],
         histogram: bins.counts,
         not_finite: 0,
-    }
+    })
 }
 
-fn of_values<T: Sample>(samples: &[T]) -> Statistics {
-    let values = || samples.iter().map(|s| s.to_f64());
-    let finite = || values().filter(|value| value.is_finite());
-    let (lo, hi) = finite().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), value| {
-        (lo.min(value), hi.max(value))
-    });
-    let not_finite = values().filter(|value| !value.is_finite()).count() as u64;
+fn of_values<T: Sample>(samples: &[T], control: &Control) -> Result<Statistics, Cancelled> {
+    fn finite<T: Sample>(piece: &[T]) -> impl Iterator<Item = f64> {
+        let values = piece.iter().map(|sample| sample.to_f64());
+        values.filter(|value| value.is_finite())
+    }
+    let (mut lo, mut hi) = (f64::INFINITY, f64::NEG_INFINITY);
+    let mut not_finite = 0;
+    for piece in samples.chunks(PIECE) {
+        control.check()?;
+        (lo, hi) = finite(piece).fold((lo, hi), |(lo, hi), v| (lo.min(v), hi.max(v)));
+        let has_no_value = |sample: &&T| !sample.to_f64().is_finite();
+        not_finite += piece.iter().filter(has_no_value).count() as u64;
+    }
     if lo > hi {
-        return Statistics {
+        return Ok(Statistics {
             range: [0.0, 0.0],
             histogram: vec![0],
             not_finite,
-        };
+        });
     }
     let mut bins = Bins::between(lo, hi, T::TYPE);
-    finite().for_each(|value| bins.add(value, 1));
-    Statistics {
+    for piece in samples.chunks(PIECE) {
+        control.check()?;
+        finite(piece).for_each(|value| bins.add(value, 1));
+    }
+    Ok(Statistics {
         range: [lo, hi],
         histogram: bins.counts,
         not_finite,
-    }
+    })
 }
 
 /// A histogram of stored numbers while it is filled.
@@ -163,7 +198,9 @@ mod tests {
                 let samples: Vec<T> = (0..count)
                     .map(|i| T::from_f64(((i * 7919) % 65_536) as f64 - 30_000.0))
                     .collect();
-                assert_eq!(of_counts::<T, P>(&samples), of_values(&samples));
+                let control = &Control::NONE;
+                let counted = of_counts::<T, P>(&samples, control);
+                assert_eq!(counted, of_values(&samples, control));
             }
         }
         check::<u8, u8>();

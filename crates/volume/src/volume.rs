@@ -1,6 +1,7 @@
 //! A scalar grid: samples, their place in the world, and what a stored number means.
 
-use crate::{Error, Grid, Rescale, SampleType, Samples, statistics::Statistics};
+use crate::{Cancelled, ContentId, Control, Error, Grid, Rescale, SampleType, Samples, Statistics};
+use std::sync::{Arc, OnceLock};
 
 /// What kind of device made the data; decides which preset is taken when nothing is said.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,7 +41,7 @@ pub struct Metadata {
     pub entries: Vec<(String, String)>,
 }
 
-/// A scalar grid. Immutable once made; cheap to share by reference.
+/// A scalar grid. Immutable once made; clones share its content and its [`id`](Volume::id).
 ///
 /// ```
 /// use strahl_volume::{Grid, Metadata, Rescale, Samples, Volume};
@@ -50,12 +51,17 @@ pub struct Metadata {
 /// # Ok::<(), strahl_volume::Error>(())
 /// ```
 #[derive(Clone, Debug)]
-pub struct Volume {
+pub struct Volume(Arc<Content>);
+
+#[derive(Debug)]
+struct Content {
+    id: ContentId,
     grid: Grid,
     samples: Samples,
     rescale: Rescale,
     metadata: Metadata,
-    statistics: Statistics,
+    /// Counted when somebody asks.
+    statistics: OnceLock<Statistics>,
 }
 
 impl Volume {
@@ -76,44 +82,64 @@ impl Volume {
                 format!("{} for a grid of {:?}", grid.voxel_count(), grid.dims()),
             ));
         }
-        let statistics = Statistics::of(&samples, rescale);
-        Ok(Volume {
+        Ok(Volume(Arc::new(Content {
+            id: ContentId::unique(),
             grid,
             samples,
             rescale,
             metadata,
-            statistics,
-        })
+            statistics: OnceLock::new(),
+        })))
+    }
+
+    /// What clones of this volume have in common, and no other volume has.
+    pub fn id(&self) -> ContentId {
+        self.0.id
     }
 
     /// Where the samples lie.
     pub fn grid(&self) -> &Grid {
-        &self.grid
+        &self.0.grid
     }
 
     /// The stored samples, x fastest.
     pub fn samples(&self) -> &Samples {
-        &self.samples
+        &self.0.samples
     }
 
     /// The type of a stored sample.
     pub fn sample_type(&self) -> SampleType {
-        self.samples.sample_type()
+        self.0.samples.sample_type()
     }
 
     /// What a stored number means.
     pub fn rescale(&self) -> Rescale {
-        self.rescale
+        self.0.rescale
     }
 
     /// What else the file said.
     pub fn metadata(&self) -> &Metadata {
-        &self.metadata
+        &self.0.metadata
     }
 
-    /// Range and histogram of the values.
+    /// Range and histogram of the values, counted when they are first asked for.
     pub fn statistics(&self) -> &Statistics {
-        &self.statistics
+        let content = &self.0;
+        let count = || Statistics::of(&content.samples, content.rescale);
+        content.statistics.get_or_init(count)
+    }
+
+    /// The same under `control`. What readers give has been counted.
+    ///
+    /// # Errors
+    /// It was cancelled before all samples were counted.
+    pub fn statistics_under(&self, control: &Control) -> Result<&Statistics, Cancelled> {
+        let content = &self.0;
+        if let Some(known) = content.statistics.get() {
+            return Ok(known);
+        }
+        let counted = Statistics::under(&content.samples, content.rescale, control)?;
+        Ok(content.statistics.get_or_init(|| counted))
     }
 
     /// The value at a voxel.
@@ -121,30 +147,46 @@ impl Volume {
     /// # Panics
     /// If the voxel is outside the grid.
     pub fn value(&self, x: usize, y: usize, z: usize) -> f64 {
-        let [nx, ny, nz] = self.grid.dims();
+        let [nx, ny, nz] = self.0.grid.dims();
         assert!(
             x < nx && y < ny && z < nz,
             "voxel ({x}, {y}, {z}) outside {:?}",
-            self.grid.dims()
+            self.0.grid.dims()
         );
-        self.rescale
-            .value(self.samples.get(self.grid.index(x, y, z)))
+        self.0
+            .rescale
+            .value(self.0.samples.get(self.0.grid.index(x, y, z)))
     }
 
     /// What a scene needs to know without the voxels.
     pub fn header(&self) -> VolumeHeader {
         VolumeHeader {
-            grid: self.grid,
+            grid: self.0.grid,
             sample_type: self.sample_type(),
-            rescale: self.rescale,
-            statistics: self.statistics.clone(),
-            metadata: self.metadata.clone(),
+            rescale: self.0.rescale,
+            statistics: self.statistics().clone(),
+            metadata: self.0.metadata.clone(),
         }
     }
 
-    /// The parts, for those who build another volume of them.
+    /// The parts, for those who build another volume of them. Copies them if the volume has clones.
     pub fn into_parts(self) -> (Grid, Samples, Rescale, Metadata) {
-        (self.grid, self.samples, self.rescale, self.metadata)
+        match Arc::try_unwrap(self.0) {
+            Ok(own) => (own.grid, own.samples, own.rescale, own.metadata),
+            Err(shared) => (
+                shared.grid,
+                shared.samples.clone(),
+                shared.rescale,
+                shared.metadata.clone(),
+            ),
+        }
+    }
+}
+
+impl From<&Volume> for Volume {
+    /// A clone.
+    fn from(volume: &Volume) -> Volume {
+        volume.clone()
     }
 }
 

@@ -95,7 +95,6 @@ fn draw(
     // Before the long work, so that a place that cannot be written is found first.
     let output = Output::create(path)?;
     let stages = Stages::new(quiet);
-    let progress = |stage, part| stages.update(stage, part);
     let folder = file.stages.clone();
     if let Some(folder) = &folder {
         std::fs::create_dir_all(folder).map_err(|why| {
@@ -124,7 +123,7 @@ fn draw(
     let picture = subject
         .threads(file.threads.unwrap_or(0))
         .backend(args::backend(file)?)
-        .progress(&progress)
+        .control(stages.control())
         .picture();
     drop(stages);
     if let Some(error) = failed.lock().unwrap_or_else(PoisonError::into_inner).take() {

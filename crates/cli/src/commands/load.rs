@@ -2,7 +2,7 @@
 
 use crate::args;
 use crate::flags::ReadFlags;
-use crate::progress::Progress;
+use crate::progress::{Progress, shown_by};
 use anyhow::Result;
 use std::path::PathBuf;
 use strahl::volume::read::Loaded;
@@ -11,6 +11,5 @@ use strahl::volume::read::Loaded;
 pub fn load(paths: &[PathBuf], flags: &ReadFlags, quiet: bool) -> Result<Loaded> {
     let options = args::read_options(flags)?;
     let progress = Progress::new("reading", quiet);
-    let loaded = strahl::load_with_progress(paths, &options, &|part| progress.update(part));
-    Ok(loaded?)
+    Ok(strahl::load_under(paths, &options, &shown_by(&progress))?)
 }

@@ -46,9 +46,8 @@ fn check_one(path: &Path, quiet: bool) -> Result<&'static str> {
         return Ok("every key is known; it names no volume, so no more can be said");
     }
     let stages = Stages::new(quiet);
-    let progress = |stage, part| stages.update(stage, part);
     Render::scene_file(file)
-        .progress(&progress)
+        .control(stages.control())
         .settled_scene()?;
     Ok("can be drawn")
 }
@@ -60,8 +59,7 @@ fn show(flags: &SceneShowFlags, quiet: bool) -> Result<()> {
         &flags.draw,
     )?;
     let stages = Stages::new(quiet);
-    let progress = |stage, part| stages.update(stage, part);
-    let scene = subject.progress(&progress).settled_scene()?;
+    let scene = subject.control(stages.control()).settled_scene()?;
     drop(stages);
     match output {
         None => print::out(&seen_from(Path::new("."), &scene).to_json()),

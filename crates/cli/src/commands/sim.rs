@@ -6,7 +6,7 @@ use crate::flags::{
     ReadFlags, SimCommand, SimRunFlags, SimScriptFlags, SimSpecFlags, SimStatsFormat, SimStudyFlags,
 };
 use crate::print;
-use crate::progress::Progress;
+use crate::progress::{Progress, shown_by};
 use anyhow::{Context, Result, bail};
 use std::fmt::Write as _;
 use std::fs;
@@ -313,7 +313,7 @@ fn scene(file: SceneFile, has_spec: bool, spec: &mut Spec, quiet: bool) -> Resul
             let progress = Progress::new("reading", quiet);
             let paths = [PathBuf::from(path)];
             let options = source.read_options()?;
-            strahl::load_with_progress(&paths, &options, &|part| progress.update(part))?.volume
+            strahl::load_under(&paths, &options, &shown_by(&progress))?.volume
         }
         (None, None) => bail!("the scene names no volume"),
     };

@@ -8,7 +8,7 @@ mod surface;
 mod table;
 
 pub use between::Between;
-pub use integrals::{Integrals, RecentIntegrals};
+pub use integrals::Integrals;
 pub use surface::Surface;
 pub use table::Table;
 

@@ -4,11 +4,11 @@ mod refine;
 mod sampling;
 
 use std::ops::ControlFlow;
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use strahl_cpu::{Error, Options, Renderer, no_progress};
+use std::sync::{Arc, Mutex};
+use strahl_cpu::{Error, Options, Renderer};
 use strahl_scene::{Scene, plan::Plan, resolve};
-use strahl_volume::{Volume, phantom::Phantom};
+use strahl_volume::{Control, Volume, Work, phantom::Phantom};
 
 fn shells() -> (Volume, Plan) {
     let volume = Phantom::Shells.volume([64; 3]).unwrap();
@@ -32,38 +32,48 @@ fn options(threads: usize, tile: u32) -> Options {
 fn progress_counts_every_tile_once() {
     let (volume, plan) = shells();
     for (threads, tile, tiles) in [(1, 8, 20), (7, 8, 20), (2, 7, 30), (1, 100, 1)] {
-        let calls = Mutex::new(Vec::new());
-        let progress = |drawn, total| {
-            calls.lock().unwrap().push((drawn, total));
+        let calls = Arc::new(Mutex::new(Vec::new()));
+        let of_control = calls.clone();
+        let control = Control::listening(move |work, share| {
+            if work == Work::Drawing {
+                of_control.lock().unwrap().push(share);
+            }
             ControlFlow::Continue(())
-        };
+        });
         let rendered = Renderer::new(&volume)
-            .render(&plan, &options(threads, tile), &progress)
+            .render(&plan, &options(threads, tile), &control)
             .unwrap();
         assert_eq!(rendered.stats.threads, threads);
-        let mut calls = calls.into_inner().unwrap();
+        let mut calls = calls.lock().unwrap();
         // Threads may call out of order.
-        calls.sort_unstable();
-        let expected: Vec<_> = (1..=tiles).map(|drawn| (drawn, tiles)).collect();
-        assert_eq!(calls, expected, "{threads} threads, tiles of {tile}");
+        calls.sort_unstable_by(f64::total_cmp);
+        let share = |drawn| f64::from(drawn) / f64::from(tiles);
+        let expected: Vec<_> = (1..=tiles).map(share).collect();
+        assert_eq!(*calls, expected, "{threads} threads, tiles of {tile}");
     }
 }
 
 #[test]
 fn a_break_ends_the_picture_soon() {
     let (volume, plan) = shells();
-    let calls = AtomicUsize::new(0);
-    let progress = |_, _| match calls.fetch_add(1, Ordering::Relaxed) {
-        0..3 => ControlFlow::Continue(()),
-        _ => ControlFlow::Break(()),
-    };
+    let calls = Arc::new(AtomicUsize::new(0));
+    let control = ending_after(3, &calls);
     let threads = 2;
     let error = Renderer::new(&volume)
-        .render(&plan, &options(threads, 1), &progress)
+        .render(&plan, &options(threads, 1), &control)
         .unwrap_err();
     assert!(matches!(error, Error::Cancelled), "{error}");
     // Each thread may be in the middle of a tile; of the 1200 no other is begun.
-    assert!(calls.into_inner() <= 3 + threads);
+    assert!(calls.load(Ordering::Relaxed) <= 3 + threads);
+}
+
+/// Control that ends drawing once more than `most` parts are drawn, which it counts in `calls`.
+fn ending_after(most: usize, calls: &Arc<AtomicUsize>) -> Control {
+    let calls = calls.clone();
+    Control::listening(move |work, _| match work {
+        Work::Drawing if calls.fetch_add(1, Ordering::Relaxed) >= most => ControlFlow::Break(()),
+        _ => ControlFlow::Continue(()),
+    })
 }
 
 #[test]
@@ -71,7 +81,7 @@ fn a_plan_of_another_volume_is_refused() {
     let (volume, plan) = shells();
     let other = Phantom::Shells.volume([65; 3]).unwrap();
     let error = Renderer::new(&other)
-        .render(&plan, &Options::default(), &no_progress)
+        .render(&plan, &Options::default(), &Control::NONE)
         .unwrap_err();
     let message = error.to_string();
     assert!(
@@ -79,7 +89,7 @@ fn a_plan_of_another_volume_is_refused() {
         "{message}"
     );
     Renderer::new(&volume)
-        .render(&plan, &Options::default(), &no_progress)
+        .render(&plan, &Options::default(), &Control::NONE)
         .unwrap();
 }
 
@@ -87,12 +97,12 @@ fn a_plan_of_another_volume_is_refused() {
 fn steps_that_cannot_be_counted_and_tiles_of_nothing_are_refused() {
     let (volume, mut plan) = shells();
     let error = Renderer::new(&volume)
-        .render(&plan, &options(0, 0), &no_progress)
+        .render(&plan, &options(0, 0), &Control::NONE)
         .unwrap_err();
     assert!(matches!(error, Error::NoTile));
     plan.lattice.step_mm = 1e-6;
     let error = Renderer::new(&volume)
-        .render(&plan, &Options::default(), &no_progress)
+        .render(&plan, &Options::default(), &Control::NONE)
         .unwrap_err();
     let Error::StepTooShort { least_mm, .. } = error else {
         panic!("{error}");
@@ -109,7 +119,7 @@ fn statistics_add_up() {
             skip,
             ..Options::default()
         };
-        let rendered = Renderer::new(&volume).render(&plan, &options, &no_progress);
+        let rendered = Renderer::new(&volume).render(&plan, &options, &Control::NONE);
         rendered.unwrap().stats
     };
     let (all, some) = (draw(false), draw(true));
@@ -139,7 +149,7 @@ fn every_rule_that_may_leaves_points_out() {
         let scene = Scene::parse("scene", &scene).unwrap();
         let plan = resolve(&scene, &volume.header(), None).unwrap();
         let stats = Renderer::new(&volume)
-            .render(&plan, &Options::default(), &no_progress)
+            .render(&plan, &Options::default(), &Control::NONE)
             .unwrap()
             .stats;
         let share = stats.points_skipped as f64 / stats.lattice_points as f64;

@@ -1,16 +1,18 @@
 //! Pictures in stages.
 
+use super::ending_after;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use strahl_cpu::{Error, Options, Renderer, Stage, no_progress};
+use std::sync::{Arc, Mutex};
+use strahl_cpu::{Error, Options, Renderer, Stage};
 use strahl_scene::plan::{Compositing, Plan, Sampling};
 use strahl_scene::{Image, Scene, resolve};
-use strahl_volume::{Phantom, Volume};
+use strahl_volume::{Control, Phantom, Volume, Work};
 
 fn stages(renderer: &Renderer, plan: &Plan, options: &Options) -> (Vec<(Image, Stage)>, Image) {
     let mut shown = Vec::new();
     let drawn = renderer
-        .refine(plan, options, &no_progress, &mut |picture, stage| {
+        .refine(plan, options, &Control::NONE, &mut |picture, stage| {
             shown.push((picture.clone(), stage));
             ControlFlow::Continue(())
         })
@@ -57,10 +59,10 @@ fn the_last_stage_has_the_bytes_of_the_picture() {
                 skip: i % 4 != 3,
                 ..Options::default()
             };
-            let expected = renderer.render(&plan, &options, &no_progress).unwrap();
+            let expected = renderer.render(&plan, &options, &Control::NONE).unwrap();
             let mut last = None;
             let drawn = renderer
-                .refine(&plan, &options, &no_progress, &mut |picture, stage| {
+                .refine(&plan, &options, &Control::NONE, &mut |picture, stage| {
                     last = Some((picture.clone(), stage));
                     ControlFlow::Continue(())
                 })
@@ -122,7 +124,7 @@ fn it_ends_where_it_is_told_to() {
     };
     for stop in 1..=3 {
         let mut shown = 0;
-        let result = renderer.refine(&plan, &options, &no_progress, &mut |_, _| {
+        let result = renderer.refine(&plan, &options, &Control::NONE, &mut |_, _| {
             shown += 1;
             if shown == stop {
                 ControlFlow::Break(())
@@ -134,24 +136,27 @@ fn it_ends_where_it_is_told_to() {
         assert_eq!(shown, stop);
     }
     // In the middle of a stage; tiles are counted over all of them.
-    let (calls, total) = (AtomicUsize::new(0), AtomicUsize::new(0));
-    let all = |_: usize, of: usize| {
-        calls.fetch_add(1, Ordering::Relaxed);
-        total.store(of, Ordering::Relaxed);
+    let shares = Arc::new(Mutex::new(Vec::new()));
+    let of_control = shares.clone();
+    let all = Control::listening(move |work, share| {
+        if work == Work::Drawing {
+            of_control.lock().unwrap().push(share);
+        }
         ControlFlow::Continue(())
-    };
+    });
     renderer
         .refine(&plan, &options, &all, &mut |_, _| ControlFlow::Continue(()))
         .unwrap();
-    assert_eq!(calls.load(Ordering::Relaxed), total.load(Ordering::Relaxed));
+    let mut shares = shares.lock().unwrap();
+    shares.sort_unstable_by(f64::total_cmp);
+    let total = shares.len() as f64;
+    let expected: Vec<_> = (1..=shares.len()).map(|n| n as f64 / total).collect();
+    assert_eq!(*shares, expected);
     for after in [1, 20, 60] {
-        let calls = AtomicUsize::new(0);
-        let progress = |_: usize, _: usize| match calls.fetch_add(1, Ordering::Relaxed) {
-            n if n + 1 < after => ControlFlow::Continue(()),
-            _ => ControlFlow::Break(()),
-        };
+        let calls = Arc::new(AtomicUsize::new(0));
+        let control = ending_after(after - 1, &calls);
         let mut shown = 0;
-        let result = renderer.refine(&plan, &options, &progress, &mut |_, _| {
+        let result = renderer.refine(&plan, &options, &control, &mut |_, _| {
             shown += 1;
             ControlFlow::Continue(())
         });
@@ -167,7 +172,7 @@ fn a_coarser_plan_shows_the_same() {
     let plan = plan(&volume, r#"{ "size": [80, 60], "early_termination": 0 }"#);
     let draw = |plan: &Plan| {
         renderer
-            .render(plan, &Options::default(), &no_progress)
+            .render(plan, &Options::default(), &Control::NONE)
             .unwrap()
     };
     let (full, coarse) = (draw(&plan), draw(&plan.coarser(2)));

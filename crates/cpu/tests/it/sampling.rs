@@ -2,11 +2,11 @@
 //! whatever must not change them.
 
 use proptest::prelude::*;
-use strahl_cpu::{InstructionSet, Options, Rendered, Renderer, no_progress};
+use strahl_cpu::{InstructionSet, Options, Rendered, Renderer};
 use strahl_scene::plan::{Composite, Curve, Plan, Sampling};
 use strahl_scene::transfer::TransferTable;
 use strahl_scene::{Scene, resolve};
-use strahl_volume::{Grid, Metadata, Phantom, Rescale, Samples, Volume};
+use strahl_volume::{Control, Grid, Metadata, Phantom, Rescale, Samples, Volume};
 
 fn linear(parts: u32) -> Sampling {
     Sampling::Split {
@@ -46,7 +46,7 @@ fn plan(volume: &Volume, scene: &str, table: TransferTable) -> Plan {
 }
 
 fn draw_with(renderer: &Renderer, plan: &Plan, options: &Options) -> Rendered {
-    renderer.render(plan, options, &no_progress).unwrap()
+    renderer.render(plan, options, &Control::NONE).unwrap()
 }
 
 fn draw(volume: &Volume, plan: &Plan) -> Rendered {

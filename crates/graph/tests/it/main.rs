@@ -15,13 +15,13 @@ mod rates;
 mod types;
 
 use std::collections::HashMap;
-use strahl_evaluate::{Evaluator, no_progress};
+use strahl_evaluate::Evaluator;
 use strahl_graph::{Compiled, Compiler, Error, Graph, GraphUse, Texture, standard};
 use strahl_program::{Functions, Table2d, loop_of};
 use strahl_scene::plan::Plan;
 use strahl_scene::{Scene, resolve};
 use strahl_shader::Texels;
-use strahl_volume::{Phantom, Volume};
+use strahl_volume::{Control, Phantom, Volume};
 
 /// A node that shows up to three numbers as a colour.
 pub const OUT: &str = r#""out": { "wgsl": [
@@ -143,7 +143,7 @@ pub fn pixels(graph: &Graph) -> Vec<[f32; 4]> {
         })
         .collect();
     let (program, parameters) = (&compiled.program, &compiled.parameters);
-    let drawn = evaluator.render_by(&plan, program, parameters, &tables, no_progress);
+    let drawn = evaluator.render_by(&plan, program, parameters, &tables, &Control::NONE);
     drawn
         .unwrap_or_else(|error| panic!("{error}\n{}", program.wgsl()))
         .image

@@ -4,19 +4,23 @@ use super::values;
 use crate::plan::{ClipShape, Plan, SampleClip};
 use glam::{DAffine3, DVec3};
 use std::ops::Range;
-use strahl_volume::Volume;
 use strahl_volume::bricks::{BrickRange, Bricks};
+use strahl_volume::{Cancelled, Control, Volume};
 
 /// For each brick of layer number `layer`, x fastest, whether the Plan's clips drop every sample inside, wherever they
 /// are; `None` if there is no such brick. There are `dims` bricks of `edge`³ cells, as
 /// [`Bricks`] has them. `mask` gives the masks of the Plan, with bricks of any size.
+///
+/// # Errors
+/// `control` was cancelled.
 pub fn dropped<'m>(
     plan: &Plan,
     layer: usize,
     dims: [usize; 3],
     edge: usize,
     mask: impl Fn(usize) -> (&'m Volume, &'m Bricks),
-) -> Option<Vec<bool>> {
+    control: &'m Control,
+) -> Result<Option<Vec<bool>>, Cancelled> {
     let grid = &plan.field_of(layer).grid;
     let clips: Vec<Clip> = plan
         .sample_clips
@@ -25,7 +29,7 @@ pub fn dropped<'m>(
         .map(|clip| Clip::new(clip, grid.world_from_voxel(), &mask))
         .collect();
     if clips.is_empty() {
-        return None;
+        return Ok(None);
     }
     let mut bricks = Dropping {
         clips,
@@ -33,10 +37,11 @@ pub fn dropped<'m>(
         edge,
         voxels: grid.dims(),
         dropped: vec![false; dims.iter().product()],
+        control,
     };
-    bricks.look_at(dims.map(|n| 0..n));
+    bricks.look_at(dims.map(|n| 0..n))?;
     let Dropping { dropped, .. } = bricks;
-    dropped.contains(&true).then_some(dropped)
+    Ok(dropped.contains(&true).then_some(dropped))
 }
 
 /// How much of a box lies inside a shape.
@@ -252,11 +257,13 @@ struct Dropping<'m> {
     edge: usize,
     voxels: [usize; 3],
     dropped: Vec<bool>,
+    control: &'m Control,
 }
 
 impl Dropping<'_> {
     /// Finds those of a block of bricks: at once if they are alike, half by half if not.
-    fn look_at(&mut self, block: [Range<usize>; 3]) {
+    fn look_at(&mut self, block: [Range<usize>; 3]) -> Result<(), Cancelled> {
+        self.control.check()?;
         match self.kept(&block) {
             Part::All => {}
             Part::None => {
@@ -273,16 +280,17 @@ impl Dropping<'_> {
                 let longest = longest.expect("there are three axes");
                 let Range { start, end } = block[longest];
                 if end - start <= 1 {
-                    return;
+                    return Ok(());
                 }
                 let middle = (start + end) / 2;
                 for half in [start..middle, middle..end] {
                     let mut block = block.clone();
                     block[longest] = half;
-                    self.look_at(block);
+                    self.look_at(block)?;
                 }
             }
         }
+        Ok(())
     }
 
     fn kept(&self, block: &[Range<usize>; 3]) -> Part {
@@ -348,7 +356,8 @@ mod tests {
     fn found(plan: &Plan, mask: &Volume) -> Vec<usize> {
         let bricks = Bricks::with_edge(mask, 4);
         assert_eq!(bricks.dims(), [5, 4, 1]);
-        let dropped = dropped(plan, 0, bricks.dims(), 4, |_| (mask, &bricks));
+        let of_mask = |_| (mask, &bricks);
+        let dropped = dropped(plan, 0, bricks.dims(), 4, of_mask, &Control::NONE).unwrap();
         let dropped = dropped.unwrap_or_default();
         (0..dropped.len()).filter(|&i| dropped[i]).collect()
     }

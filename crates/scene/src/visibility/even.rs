@@ -5,6 +5,7 @@ use crate::plan::{Classify, Fetch, Plan, Sampling, Shade};
 use crate::transfer::TransferTable;
 use std::collections::VecDeque;
 use strahl_volume::bricks::Bricks;
+use strahl_volume::{Cancelled, Control};
 
 /// For each brick of layer number `layer`, x fastest: 0, or 1 + e if the aligned cube of 2^e bricks along each edge
 /// that it lies in, and no larger one, is even: inside it one sample can stand for any other. `None` if nothing is
@@ -18,9 +19,17 @@ use strahl_volume::bricks::Bricks;
 /// and rays that end early: they may leave out another remainder). Colours and background are at most 1 for that.
 ///
 /// Voxels without a value are not in the ranges of bricks: a volume with any has no even cubes.
-pub fn even_cubes(plan: &Plan, layer: usize, bricks: &Bricks) -> Option<Vec<u8>> {
+///
+/// # Errors
+/// `control` was cancelled.
+pub fn even_cubes(
+    plan: &Plan,
+    layer: usize,
+    bricks: &Bricks,
+    control: &Control,
+) -> Result<Option<Vec<u8>>, Cancelled> {
     let Sampling::Adaptive { error } = plan.sampling else {
-        return None;
+        return Ok(None);
     };
     let (field, technique) = (plan.field_of(layer), plan.technique_of(layer));
     let known = field.fetch == Fetch::Stored
@@ -28,15 +37,15 @@ pub fn even_cubes(plan: &Plan, layer: usize, bricks: &Bricks) -> Option<Vec<u8>>
         && technique.shade == Shade::Unlit
         && plan.modules.is_empty();
     if !known {
-        return None;
+        return Ok(None);
     }
     let even = Even::new(&technique.table, plan.lattice.step_mm, f64::from(error));
     let mut dims = bricks.dims();
-    let mut ranges = of_reached(bricks, field.reconstruct, |range| {
-        values(range, rescale_of(field))
-    });
+    let values = |range| values(range, rescale_of(field));
+    let mut ranges = of_reached(bricks, field.reconstruct, values, control)?;
     let mut cubes = vec![0; ranges.len()];
     for e in 0..8 {
+        control.check()?;
         let mut any = false;
         let is_even: Vec<bool> = ranges.iter().map(|&(lo, hi)| even.holds(lo, hi)).collect();
         let [nx, ny, _] = bricks.dims();
@@ -54,7 +63,7 @@ pub fn even_cubes(plan: &Plan, layer: usize, bricks: &Bricks) -> Option<Vec<u8>>
         }
         (dims, ranges) = coarser(dims, &ranges);
     }
-    Some(cubes)
+    Ok(Some(cubes))
 }
 
 /// The ranges of cubes of 2³.

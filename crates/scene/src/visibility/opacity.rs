@@ -4,38 +4,47 @@ use super::{joined_with_neighbours, of_reached, rescale_of, values};
 use crate::plan::{Classify, Composite, Fetch, Plan, Sampling};
 use crate::transfer::{Places, TransferTable};
 use std::ops::Range;
-use strahl_volume::bricks::Bricks;
+use strahl_volume::bricks::{BrickRange, Bricks};
+use strahl_volume::{Cancelled, Control};
 
 /// For each brick of layer number `layer`, x fastest: 0 if no sample inside shows anything, exactly where
 /// [`Contribution::Visible`](super::Contribution::Visible) says so; otherwise a number m from 1
 /// to 255 such that no sample inside it or the 26 bricks around it has an opacity of a step above m/255. `None` if
 /// nothing is known of the values, or `plan` wants every lattice point.
-pub fn most_opacity(plan: &Plan, layer: usize, bricks: &Bricks) -> Option<Vec<u8>> {
+///
+/// # Errors
+/// `control` was cancelled.
+pub fn most_opacity(
+    plan: &Plan,
+    layer: usize,
+    bricks: &Bricks,
+    control: &Control,
+) -> Result<Option<Vec<u8>>, Cancelled> {
     let (field, technique) = (plan.field_of(layer), plan.technique_of(layer));
     let known = field.fetch == Fetch::Stored
         && technique.classify == Classify::Table
         && matches!(technique.composite, Composite::EmissionAbsorption { .. })
         && plan.modules.is_empty();
     if !known || !matches!(plan.sampling, Sampling::ByOpacity { .. }) {
-        return None;
+        return Ok(None);
     }
     let most = MostOpacity::new(&technique.table, plan.lattice.step_mm);
-    let of_bricks = of_reached(bricks, field.reconstruct, |range| {
+    let of_brick = |range: BrickRange| {
         if range.is_empty() {
             return 0;
         }
         let (lo, hi) = values(range, rescale_of(field));
         most.between(lo, hi)
-    });
-    let mut around = joined_with_neighbours(bricks.dims(), of_bricks.clone(), |most, other| {
-        *most = (*most).max(*other)
-    });
+    };
+    let of_bricks = of_reached(bricks, field.reconstruct, of_brick, control)?;
+    let join = |most: &mut u8, other: &u8| *most = (*most).max(*other);
+    let mut around = joined_with_neighbours(bricks.dims(), of_bricks.clone(), join, control)?;
     for (around, own) in around.iter_mut().zip(of_bricks) {
         if own == 0 {
             *around = 0;
         }
     }
-    Some(around)
+    Ok(Some(around))
 }
 
 /// The largest opacity of a step between two values, in constant time.

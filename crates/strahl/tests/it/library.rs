@@ -1,8 +1,12 @@
 //! The library front.
 
 use super::*;
+use std::ops::ControlFlow;
+use std::sync::{Arc, Mutex};
 use strahl::scene::{PlaneClip, TransferPoint};
-use strahl::{Background, Clip, Color, Error, Recipe, Render, Scene, TransferFunction};
+use strahl::{
+    Background, Clip, Color, Control, Error, Recipe, Render, Scene, TransferFunction, Work,
+};
 
 #[test]
 fn a_file_becomes_a_picture() {
@@ -102,15 +106,19 @@ fn mistakes_come_all_at_once() {
 #[test]
 fn progress_reaches_its_end() {
     let folder = folder_with_shells();
-    let told = std::sync::Mutex::new(Vec::new());
-    let tell = |stage, part| told.lock().unwrap().push((stage, part));
+    let told = Arc::new(Mutex::new(Vec::new()));
+    let of_control = told.clone();
+    let control = Control::listening(move |work, share| {
+        of_control.lock().unwrap().push((work, share));
+        ControlFlow::Continue(())
+    });
     Render::file(folder.path().join("shells.nrrd"))
         .size(64, 64)
-        .progress(&tell)
+        .control(&control)
         .picture()
         .unwrap();
-    let told = told.into_inner().unwrap();
-    for stage in [strahl::Stage::Reading, strahl::Stage::Drawing] {
-        assert!(told.contains(&(stage, 1.0)), "{stage:?}: {told:?}");
+    let told = told.lock().unwrap();
+    for work in [Work::Reading, Work::Preparing, Work::Drawing] {
+        assert!(told.contains(&(work, 1.0)), "{work:?}: {told:?}");
     }
 }

@@ -3,6 +3,7 @@
 mod examples;
 mod graph;
 mod library;
+mod session;
 mod slicing;
 
 use std::path::{Path, PathBuf};

@@ -2,11 +2,15 @@
 
 use super::number::Interval;
 use super::solid::Point;
-use crate::{Error, ErrorKind, Grid};
+use crate::rows::for_each_row;
+use crate::{Control, Error, ErrorKind, Grid, Work};
 use glam::DVec3;
 
 /// Edge of a block in voxels, and thickness of the slab that one task fills.
 const BLOCK: usize = 8;
+
+/// Samples that are filled with nothing at once.
+const PIECE: usize = 1 << 20;
 
 /// One number per voxel of an axis-aligned `grid`, x fastest.
 ///
@@ -15,15 +19,16 @@ const BLOCK: usize = 8;
 /// every number depends on its own voxel only, the bytes are the same at any number of threads.
 ///
 /// # Errors
-/// No memory for the samples.
+/// No memory for the samples; `control` was cancelled.
 pub fn fill<T: Copy + Send + Sync, S>(
     grid: &Grid,
     nothing: T,
     scratch: impl Fn() -> S + Sync,
     prune: impl Fn(Point<Interval>, &mut S) -> bool + Sync,
     at: impl Fn(Point<f64>, &S) -> T + Sync,
+    control: &Control,
 ) -> Result<Vec<T>, Error> {
-    let [nx, ny, _] = grid.dims();
+    let [nx, ny, nz] = grid.dims();
     let count = grid.voxel_count();
     let mut samples = Vec::new();
     samples
@@ -31,7 +36,10 @@ pub fn fill<T: Copy + Send + Sync, S>(
         .map_err(|_| ErrorKind::NoMemory {
             bytes: (count as u64).saturating_mul(size_of::<T>() as u64),
         })?;
-    samples.resize(count, nothing);
+    while samples.len() < count {
+        control.check()?;
+        samples.resize(count.min(samples.len() + PIECE), nothing);
+    }
 
     let world_from_voxel = grid.world_from_voxel();
     let world = |x: usize, y: usize, z: usize| {
@@ -44,6 +52,9 @@ pub fn fill<T: Copy + Send + Sync, S>(
         for y0 in (0..ny).step_by(BLOCK) {
             let y1 = (y0 + BLOCK).min(ny);
             for x0 in (0..nx).step_by(BLOCK) {
+                if control.is_cancelled() {
+                    return;
+                }
                 let x1 = (x0 + BLOCK).min(nx);
                 let (lo, hi) = (world(x0, y0, z0), world(x1 - 1, y1 - 1, z0 + nz - 1));
                 let bounds = [
@@ -65,17 +76,7 @@ pub fn fill<T: Copy + Send + Sync, S>(
             }
         }
     };
-    #[cfg(feature = "threads")]
-    {
-        use rayon::prelude::*;
-        samples
-            .par_chunks_mut(nx * ny * BLOCK)
-            .enumerate()
-            .for_each(|(slab, samples)| fill_slab(slab, samples));
-    }
-    #[cfg(not(feature = "threads"))]
-    for (slab, samples) in samples.chunks_mut(nx * ny * BLOCK).enumerate() {
-        fill_slab(slab, samples);
-    }
+    let parts = control.parts(Work::Reading, nz.div_ceil(BLOCK));
+    for_each_row(&mut samples, nx * ny * BLOCK, &parts, fill_slab)?;
     Ok(samples)
 }

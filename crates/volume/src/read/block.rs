@@ -217,6 +217,8 @@ impl<'a> Block<'a> {
                     .max(PIECE_BYTES / size_of::<T>());
                 reserve(into, step.min(end - into.len()))?;
             }
+            // Few packed bytes may become many samples.
+            self.bytes.check()?;
             let piece = extend_zeroed(into, end.min(into.capacity()));
             let bytes: &mut [u8] = bytemuck::cast_slice_mut(piece);
             let mut filled = 0;
@@ -321,7 +323,7 @@ pub(crate) fn decoder<'a>(
     offset: u64,
     encoding: Encoding,
 ) -> Box<dyn Read + Send + 'a> {
-    let source = BufReader::with_capacity(1 << 16, ByteReader::new(bytes, offset));
+    let source = BufReader::with_capacity(1 << 14, ByteReader::new(bytes, offset));
     match encoding {
         Encoding::Raw | Encoding::Ascii => Box::new(source),
         Encoding::Gzip => Box::new(GzipMembers::Inside(Box::new(GzDecoder::new(source)))),

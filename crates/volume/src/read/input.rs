@@ -18,6 +18,14 @@ pub trait Bytes: Send + Sync {
     /// # Errors
     /// `UnexpectedEof` if the file ends before, or what the system says.
     fn read_at(&self, offset: u64, into: &mut [u8]) -> io::Result<()>;
+
+    /// Whether reading goes on; readers ask where they work for long on bytes that they have.
+    ///
+    /// # Errors
+    /// Somebody ended it.
+    fn check(&self) -> io::Result<()> {
+        Ok(())
+    }
 }
 
 impl Bytes for [u8] {
@@ -42,6 +50,10 @@ impl<B: Bytes + ?Sized> Bytes for &B {
 
     fn read_at(&self, offset: u64, into: &mut [u8]) -> io::Result<()> {
         (**self).read_at(offset, into)
+    }
+
+    fn check(&self) -> io::Result<()> {
+        (**self).check()
     }
 }
 

@@ -19,7 +19,9 @@ mod ply;
 mod stl;
 mod surface;
 
+use super::watched::{Watched, uncancelled};
 use super::{Bytes, Files};
+use crate::Control;
 use crate::error::{Error, ErrorKind};
 use crate::mesh::Mesh;
 use glam::{DAffine3, DVec3};
@@ -63,6 +65,20 @@ pub fn read_mesh(
         Kind::Ply => ply::read(&bytes),
     };
     placed(surface.map_err(in_file)?, space).map_err(in_file)
+}
+
+/// As [`read_mesh`] under `control`, which is told the share of the bytes that has been read.
+///
+/// # Errors
+/// As [`read_mesh`]; it was cancelled.
+pub fn read_mesh_under(
+    name: &str,
+    files: &dyn Files,
+    space: Option<MeshSpace>,
+    control: &Control,
+) -> Result<LoadedMesh, Error> {
+    let read = read_mesh(name, &Watched::new(files, control), space);
+    uncancelled(read, control)
 }
 
 /// All bytes: unlike samples, none of them stays as it is. The length is that of the file.

@@ -95,4 +95,8 @@ impl Bytes for Unpacked<'_> {
         reading.position = offset + into.len() as u64;
         Ok(())
     }
+
+    fn check(&self) -> io::Result<()> {
+        self.packed.check()
+    }
 }

@@ -8,13 +8,14 @@
 use super::surface::Surface;
 use super::table::Table;
 use crate::elementary::opacity_of_lengths;
-use crate::kept::Kept;
 use crate::lanes::{F32s, I32s, Mask, each, row_pairs};
 use crate::levels::{Level, inlined};
+use crate::making::Making;
 use rayon::prelude::*;
 use std::sync::Arc;
 use strahl_scene::plan::{Plan, Sampling};
 use strahl_scene::transfer::TransferTable;
+use strahl_volume::{Cancelled, Key};
 
 /// The table: 4 MiB at the most.
 pub struct Integrals {
@@ -354,31 +355,40 @@ fn in_a_row<S: Level>(
     }
 }
 
-/// The tables of the Plans drawn last.
-pub type RecentIntegrals = Kept<Asked, Integrals>;
-
 /// All that a table depends on.
-#[derive(PartialEq)]
-pub struct Asked {
+#[derive(Clone, PartialEq)]
+pub struct IntegralsOf {
     table: TransferTable,
     step_mm: f64,
 }
 
-impl RecentIntegrals {
+impl Key for IntegralsOf {
+    type Value = Integrals;
+
+    const NAME: &str = "integrals";
+
+    fn bytes(&self, value: &Integrals) -> usize {
+        size_of_val(self.table.entries()) + size_of_val(&value.pairs[..])
+    }
+}
+
+impl Integrals {
     /// The table for object number `object` of `plan`; `None` if its sampling asks for none.
-    pub fn of_plan(&self, plan: &Plan, object: usize) -> Option<Arc<Integrals>> {
+    pub fn of_plan(
+        making: &Making,
+        plan: &Plan,
+        object: usize,
+    ) -> Result<Option<Arc<Integrals>>, Cancelled> {
         if plan.sampling != Sampling::Integrated {
-            return None;
+            return Ok(None);
         }
-        let asked = Asked {
+        let key = IntegralsOf {
             table: plan.technique_of(object).table.clone(),
             step_mm: plan.lattice.step_mm,
         };
-        // A picture in stages has two steps.
-        self.find(asked, 2 * plan.layers.len(), |asked| {
-            let reference_mm = f64::from(asked.table.reference_mm());
-            Some(Integrals::new(&asked.table, asked.step_mm / reference_mm))
-        })
+        let reference_mm = f64::from(key.table.reference_mm());
+        let make = || Ok(Integrals::new(&key.table, key.step_mm / reference_mm));
+        making.find(&key, make).map(Some)
     }
 }
 

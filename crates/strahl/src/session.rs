@@ -1,0 +1,426 @@
+//! What lives from picture to picture: data, what is made of it, devices and threads.
+
+use crate::Error;
+use crate::load::{Seen, load_seen};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, TryLockError};
+use std::time::{Duration, SystemTime};
+use std::{fs, io};
+use strahl_cpu::Pools;
+use strahl_evaluate::Evaluator;
+use strahl_gpu::{Device, adapters};
+use strahl_volume::read::mesh::LoadedMesh;
+use strahl_volume::read::{Loaded, ReadOptions};
+use strahl_volume::{
+    Cancelled, ContentId, Control, Counts, Datasets, Key, LabelVolume, Phantom, Store, Volume,
+};
+
+/// Draws scenes, and keeps what the next picture needs as well: the data that scenes name, what renderers make of
+/// it, the graphics device, pools of threads. It may be used by several threads at a time.
+///
+/// ```
+/// use strahl::{Backend, Control, Phantom, Render, Session, View};
+///
+/// let session = Session::new();
+/// for view in [View::Front, View::Left, View::Top] {
+///     Render::phantom(Phantom::Tree)
+///         .size(64, 48)
+///         .view(view)
+///         .in_session(&session)
+///         .picture()?;
+/// }
+/// // The volume was computed once, and so was what drawing needs of it.
+/// assert_eq!(session.read().made, 1);
+/// assert_eq!(session.derived().made_by_name["bricks"], 1);
+/// # Ok::<(), strahl::Error>(())
+/// ```
+///
+/// A file is read again if its length or the time of its last change is another one.
+pub struct Session {
+    /// What was read, or computed in its place. Stays until [`Session::forget`].
+    files: Store,
+    store: Arc<Store>,
+    pools: Pools,
+    evaluator: Mutex<Evaluator>,
+    devices: Mutex<Devices>,
+    /// Part of the name of the best adapter that is no program, if there is one.
+    hardware: OnceLock<Option<String>>,
+}
+
+/// Renderers on the devices that are open, by the adapter that was asked for.
+struct Devices {
+    renderers: BTreeMap<Option<String>, strahl_gpu::Renderer>,
+    /// What somebody else opened.
+    given: Option<Device>,
+    opened: AtomicU64,
+    store: Arc<Store>,
+}
+
+impl Default for Session {
+    fn default() -> Session {
+        Session::new()
+    }
+}
+
+impl Session {
+    /// A session that keeps up to [`Store::USUAL_BUDGET_BYTES`] of what is made of the data. A device is opened when
+    /// a picture asks for one.
+    pub fn new() -> Session {
+        Session::with_budget(Store::USUAL_BUDGET_BYTES)
+    }
+
+    /// The same that keeps up to `budget_bytes`. The data itself does not count, nor does what is on a device, which has
+    /// a budget of its own ([`Device::with_budget`]).
+    pub fn with_budget(budget_bytes: usize) -> Session {
+        let store = Arc::new(Store::with_budget(budget_bytes));
+        Session {
+            files: Store::with_budget(usize::MAX),
+            pools: Pools::default(),
+            evaluator: Mutex::new(Evaluator::with_store(Datasets::default(), store.clone())),
+            devices: Mutex::new(Devices {
+                renderers: BTreeMap::new(),
+                given: None,
+                opened: 0.into(),
+                store: store.clone(),
+            }),
+            hardware: OnceLock::new(),
+            store,
+        }
+    }
+
+    /// Draws on `device` wherever a picture asks for a graphics processor and names none: on that of a window, say.
+    pub fn on_device(mut self, device: Device) -> Session {
+        let devices = self
+            .devices
+            .get_mut()
+            .unwrap_or_else(PoisonError::into_inner);
+        devices.given = Some(device);
+        devices.renderers.remove(&None);
+        self
+    }
+
+    /// What was read, or computed in place of a file, so far: volumes, labels, meshes.
+    pub fn read(&self) -> Counts {
+        self.files.counts()
+    }
+
+    /// What was made of the data so far.
+    pub fn derived(&self) -> Counts {
+        self.store.counts()
+    }
+
+    /// Graphics devices that were opened so far.
+    pub fn devices_opened(&self) -> u64 {
+        let devices = self.devices.lock().unwrap_or_else(PoisonError::into_inner);
+        devices.opened.load(Ordering::Relaxed)
+    }
+
+    /// Gives up the data, and all that was made of it, that no picture is being drawn of.
+    pub fn forget(&self) {
+        self.store.clear();
+        self.files.clear();
+    }
+
+    pub(crate) fn store(&self) -> &Arc<Store> {
+        &self.store
+    }
+
+    pub(crate) fn pools(&self) -> &Pools {
+        &self.pools
+    }
+
+    /// The evaluator, when nobody else uses it.
+    pub(crate) fn evaluator(
+        &self,
+        control: &Control,
+    ) -> Result<MutexGuard<'_, Evaluator>, Cancelled> {
+        locked(&self.evaluator, control)
+    }
+
+    /// What `draw` makes with the renderer on `adapter`, drawing from `data`. A device may be lost at any time: the driver
+    /// was updated or reset. It is opened again once.
+    pub(crate) fn on_gpu<T>(
+        &self,
+        adapter: Option<&str>,
+        data: &Datasets,
+        control: &Control,
+        draw: impl Fn(&mut strahl_gpu::Renderer) -> Result<T, Error>,
+    ) -> Result<T, Error> {
+        let mut devices = locked(&self.devices, control)?;
+        let asked = adapter.map(str::to_owned);
+        match draw(devices.renderer(&asked, data)?) {
+            Err(Error::Gpu(strahl_gpu::Error::Lost(_))) if devices.can_open_again(&asked) => {
+                devices.renderers.remove(&asked);
+                draw(devices.renderer(&asked, data)?)
+            }
+            done => done,
+        }
+    }
+
+    /// The best adapter that is no program on the processor, if there is one: ours is faster.
+    pub(crate) fn hardware(&self) -> Option<&str> {
+        let best = || {
+            let found = adapters().into_iter().find(|a| !a.is_software);
+            found.map(|adapter| adapter.name)
+        };
+        self.hardware.get_or_init(best).as_deref()
+    }
+
+    /// The volume in `paths`, read unless it is known.
+    pub(crate) fn volume(
+        &self,
+        paths: &[PathBuf],
+        options: &ReadOptions,
+        control: &Control,
+    ) -> Result<Arc<Read<Loaded>>, Error> {
+        let key = VolumeAt {
+            files: States::of(paths)?,
+            options: options.clone(),
+        };
+        self.found(&key, control, || {
+            let (value, seen) = load_seen(paths, options, control)?;
+            Ok(Read { value, seen })
+        })
+    }
+
+    /// The label volume in the file `path`, with what reading it had to say.
+    pub(crate) fn labels(
+        &self,
+        path: &str,
+        control: &Control,
+    ) -> Result<Arc<Read<(LabelVolume, Vec<String>)>>, Error> {
+        let paths = [PathBuf::from(path)];
+        let key = LabelsAt(States::of(&paths)?);
+        self.found(&key, control, || {
+            let (loaded, seen) = load_seen(&paths, &ReadOptions::default(), control)?;
+            let labels = LabelVolume::from_volume(loaded.volume, loaded.labels.unwrap_or_default());
+            let labels = labels.map_err(|error| error.in_file(path))?;
+            Ok(Read {
+                value: (labels, loaded.notes),
+                seen,
+            })
+        })
+    }
+
+    /// The mask of some labels of the file `path`.
+    pub(crate) fn mask(
+        &self,
+        path: &str,
+        ids: &[u32],
+        labels: &LabelVolume,
+        control: &Control,
+    ) -> Result<Arc<Volume>, Error> {
+        let key = MaskAt {
+            files: States::of(&[path.into()])?,
+            ids: ids.to_owned(),
+        };
+        let make = || Ok::<_, Error>(labels.mask(ids));
+        self.store.find(&key, control, make)
+    }
+
+    /// The mesh that `read` gives of the file `path`, unless it is known.
+    pub(crate) fn mesh(
+        &self,
+        path: &Path,
+        control: &Control,
+        read: impl FnOnce() -> Result<LoadedMesh, Error>,
+    ) -> Result<Arc<Read<LoadedMesh>>, Error> {
+        let key = MeshAt(States::of(&[path.to_owned()])?);
+        self.found(&key, control, || {
+            Ok(Read {
+                value: read()?,
+                seen: Vec::new(),
+            })
+        })
+    }
+
+    /// A phantom, computed unless it is known.
+    pub(crate) fn phantom(
+        &self,
+        phantom: Phantom,
+        dims: [usize; 3],
+        control: &Control,
+    ) -> Result<Arc<Volume>, Error> {
+        let make = || Ok::<_, Error>(phantom.volume_under(dims, control)?);
+        self.files.find(&PhantomOf(phantom, dims), control, make)
+    }
+
+    /// A coarser version of a volume.
+    pub(crate) fn level(
+        &self,
+        volume: &Volume,
+        level: f64,
+        control: &Control,
+    ) -> Result<Arc<Volume>, Error> {
+        let make = || Ok::<_, Error>(volume.at_level_under(level, control)?);
+        let key = LevelOf(volume.id(), level);
+        self.store.find(&key, control, make)
+    }
+
+    /// What is known under `key`, if the files that it was read from are still the same, else what `read` gives.
+    fn found<T, K: Key<Value = Read<T>>>(
+        &self,
+        key: &K,
+        control: &Control,
+        read: impl FnOnce() -> Result<Read<T>, Error>,
+    ) -> Result<Arc<Read<T>>, Error> {
+        let is_old = |known: Arc<Read<T>>| !known.seen.iter().all(Seen::is_same);
+        if self.files.get(key).is_some_and(is_old) {
+            self.files.remove(key);
+        }
+        self.files.find(key, control, read)
+    }
+}
+
+impl Devices {
+    fn renderer(
+        &mut self,
+        asked: &Option<String>,
+        data: &Datasets,
+    ) -> Result<&mut strahl_gpu::Renderer, Error> {
+        if !self.renderers.contains_key(asked) {
+            let device = match (&self.given, asked) {
+                (Some(given), None) => given.clone(),
+                _ => {
+                    self.opened.fetch_add(1, Ordering::Relaxed);
+                    Device::open(asked.as_deref())?
+                }
+            };
+            let store = self.store.clone();
+            let renderer = strahl_gpu::Renderer::with_store(&device, Datasets::default(), store);
+            self.renderers.insert(asked.clone(), renderer);
+        }
+        match self.renderers.get_mut(asked) {
+            Some(renderer) => {
+                renderer.set_data(data);
+                Ok(renderer)
+            }
+            None => unreachable!("it has just been put there"),
+        }
+    }
+
+    fn can_open_again(&self, asked: &Option<String>) -> bool {
+        asked.is_some() || self.given.is_none()
+    }
+}
+
+/// What is behind `mutex`, when nobody else uses it; whoever waits may be cancelled.
+fn locked<'m, T>(mutex: &'m Mutex<T>, control: &Control) -> Result<MutexGuard<'m, T>, Cancelled> {
+    loop {
+        control.check()?;
+        match mutex.try_lock() {
+            Ok(guard) => return Ok(guard),
+            Err(TryLockError::Poisoned(poisoned)) => return Ok(poisoned.into_inner()),
+            Err(TryLockError::WouldBlock) => std::thread::sleep(Duration::from_millis(1)),
+        }
+    }
+}
+
+/// Something that was read, and the files that were opened for it.
+pub(crate) struct Read<T> {
+    pub value: T,
+    seen: Vec<Seen>,
+}
+
+/// Files and folders that were named, as they are now.
+#[derive(Clone, PartialEq)]
+struct States(Vec<(PathBuf, u64, Option<SystemTime>)>);
+
+impl States {
+    fn of(paths: &[PathBuf]) -> Result<States, Error> {
+        let state = |path: &PathBuf| {
+            let metadata = fs::metadata(path)?;
+            let whole = std::path::absolute(path)?;
+            Ok((whole, metadata.len(), metadata.modified().ok()))
+        };
+        let named = |path: &PathBuf| state(path).map_err(|why: io::Error| Error::path(path, why));
+        Ok(States(paths.iter().map(named).collect::<Result<_, _>>()?))
+    }
+}
+
+#[derive(Clone, PartialEq)]
+struct VolumeAt {
+    files: States,
+    options: ReadOptions,
+}
+
+impl Key for VolumeAt {
+    type Value = Read<Loaded>;
+
+    const NAME: &str = "volumes";
+
+    fn bytes(&self, value: &Read<Loaded>) -> usize {
+        value.value.volume.samples().as_bytes().len()
+    }
+}
+
+#[derive(Clone, PartialEq)]
+struct LabelsAt(States);
+
+impl Key for LabelsAt {
+    type Value = Read<(LabelVolume, Vec<String>)>;
+
+    const NAME: &str = "labels";
+
+    fn bytes(&self, value: &Self::Value) -> usize {
+        value.value.0.grid().voxel_count()
+    }
+}
+
+#[derive(Clone, PartialEq)]
+struct MaskAt {
+    files: States,
+    ids: Vec<u32>,
+}
+
+impl Key for MaskAt {
+    type Value = Volume;
+
+    const NAME: &str = "masks of labels";
+
+    fn bytes(&self, value: &Volume) -> usize {
+        value.samples().as_bytes().len()
+    }
+}
+
+#[derive(Clone, PartialEq)]
+struct MeshAt(States);
+
+impl Key for MeshAt {
+    type Value = Read<LoadedMesh>;
+
+    const NAME: &str = "meshes";
+
+    fn bytes(&self, value: &Read<LoadedMesh>) -> usize {
+        let mesh = &value.value.mesh;
+        size_of_val(mesh.positions()) + size_of_val(mesh.triangles())
+    }
+}
+
+#[derive(Clone, PartialEq)]
+struct PhantomOf(Phantom, [usize; 3]);
+
+impl Key for PhantomOf {
+    type Value = Volume;
+
+    const NAME: &str = "phantoms";
+
+    fn bytes(&self, value: &Volume) -> usize {
+        value.samples().as_bytes().len()
+    }
+}
+
+#[derive(Clone, PartialEq)]
+struct LevelOf(ContentId, f64);
+
+impl Key for LevelOf {
+    type Value = Volume;
+
+    const NAME: &str = "coarser levels";
+
+    fn bytes(&self, value: &Volume) -> usize {
+        value.samples().as_bytes().len()
+    }
+}
