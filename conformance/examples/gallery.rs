@@ -6,7 +6,7 @@ use std::fmt::Write;
 use std::fs;
 use std::path::Path;
 use strahl_conformance::agreement::agreement;
-use strahl_conformance::gallery::{GALLERY, scene};
+use strahl_conformance::gallery::{gallery, scene};
 use strahl_conformance::golden::Golden;
 use strahl_gpu::Device;
 use strahl_scene::{Scene, resolve};
@@ -45,7 +45,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     writeln!(page, "| | step | variant | scene | alike | off |")?;
     writeln!(page, "|---|---|---|---|---|---|")?;
     let mut differ = Vec::new();
-    for variant in GALLERY {
+    for variant in &gallery() {
         let (step, name, keys) = variant;
         let text = scene(variant, SIZE);
         let plan = resolve(&Scene::parse(name, &text)?, &volume.header(), None)?;

@@ -1,8 +1,11 @@
 //! One scene per variant of every step of the ray: what `docs/gallery.md` shows, and what the tests draw on
 //! both renderers.
 
+use std::borrow::Cow;
+use strahl_shader::registry::{FUNCTIONS, Function};
+
 /// A step of the ray, the variant's name (as a file name), and what its scene says beside the size.
-pub type Variant = (&'static str, &'static str, &'static str);
+pub type Variant = (&'static str, &'static str, Cow<'static, str>);
 
 /// Transparent skin, so that the steps inside are seen.
 macro_rules! solid {
@@ -11,8 +14,8 @@ macro_rules! solid {
     };
 }
 
-/// All variants, in the order of the steps.
-pub const GALLERY: &[Variant] = &[
+/// Variants whose scenes are chosen so that one sees what they do, in the order of the steps.
+const CHOSEN: &[(&str, &str, &str)] = &[
     ("quality", "quality-null", r#""quality": "null""#),
     ("quality", "quality-minimum", r#""quality": "minimum""#),
     ("quality", "quality-medium", r#""quality": "medium""#),
@@ -226,6 +229,66 @@ pub const GALLERY: &[Variant] = &[
     ("debug", "debug-sample-count", r#""debug": "sample-count""#),
     ("debug", "debug-depth", r#""debug": "depth""#),
 ];
+
+/// Functions that need no picture: every one that says nothing shows them, or a chosen one with another name.
+const SHOWN: [(&str, &str); 4] = [
+    ("fetch", "stored"),
+    ("gradient_input", "value"),
+    ("shade", "lit"),
+    ("shade", "lit_last_normal"),
+];
+
+/// All variants: the chosen ones, and a plain scene for every function of the registry that has none of them.
+pub fn gallery() -> Vec<Variant> {
+    let mut all: Vec<Variant> = CHOSEN
+        .iter()
+        .map(|&(step, name, keys)| (step, name, keys.into()))
+        .collect();
+    for function in &FUNCTIONS {
+        let is_chosen = CHOSEN
+            .iter()
+            .any(|(_, name, _)| name.ends_with(function.word));
+        let is_shown = SHOWN.contains(&(function.slot, function.name));
+        if is_chosen || is_shown || function.is_way_of.is_some() {
+            continue;
+        }
+        let Some(keys) = plain(function) else {
+            continue;
+        };
+        let behind = all.iter().rposition(|(step, ..)| *step == function.slot);
+        let variant = (function.slot, function.word, keys.into());
+        all.insert(behind.map_or(all.len(), |i| i + 1), variant);
+    }
+    all
+}
+
+/// A scene that draws by `function`; `None` where only a scene of its own could.
+fn plain(function: &Function) -> Option<String> {
+    let Function { slot, word, .. } = function;
+    Some(match *slot {
+        "composite" => format!(r#""preset": "ct-soft-tissue", "method": "{word}""#),
+        "illuminate" => format!(r#""shading": {{ "model": "{word}" }}"#),
+        "reconstruct" => format!(r#""reconstruct": "{word}""#),
+        "gradient" => format!(r#""gradient": {{ "method": "{word}" }}"#),
+        "fetch" | "classify" | "shade" | "gradient_input" => {
+            format!(r#""functions": {{ "{slot}": {{ "module": "{word}" }} }}"#)
+        }
+        _ => return None,
+    })
+}
+
+#[test]
+fn every_function_that_a_scene_can_name_is_shown() {
+    let all = gallery();
+    for function in FUNCTIONS
+        .iter()
+        .filter(|f| plain(f).is_some() && f.is_way_of.is_none())
+    {
+        let shown = all.iter().any(|(_, name, _)| name.ends_with(function.word));
+        let is_shown = SHOWN.contains(&(function.slot, function.name));
+        assert!(shown || is_shown, "{}", function.name);
+    }
+}
 
 /// The text of a variant's scene.
 pub fn scene(variant: &Variant, [width, height]: [u32; 2]) -> String {

@@ -50,7 +50,7 @@ pub fn covers(plan: &Plan) -> bool {
     };
     let projection = matches!(
         plan.technique().composite,
-        Composite::Mip | Composite::MinIp | Composite::Average
+        Composite::Mip | Composite::Minip | Composite::Average
     );
     plan.layers.len() == 1
         && plan.meshes.is_empty()
@@ -316,9 +316,9 @@ impl<'p> Line<'p> {
                 stop_at_transmittance,
             } => self.emission_absorption(&samples, f64::from(stop_at_transmittance)),
             Composite::Mip => self.extreme(&samples, f64::max),
-            Composite::MinIp => self.extreme(&samples, f64::min),
+            Composite::Minip => self.extreme(&samples, f64::min),
             Composite::Average => self.average(&samples),
-            Composite::FirstHit { threshold } => self.first_hit(&samples, threshold),
+            Composite::FirstHit { threshold } => self.first_hit(&samples, f64::from(threshold)),
             Composite::BackToFront => self.emission_absorption(&samples, 0.0),
             other => unreachable!("{other:?} is not covered"),
         }

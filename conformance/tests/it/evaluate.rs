@@ -7,7 +7,7 @@ use crate::variants::{any_variant, change_all, pair, ramp, two, wall};
 use glam::{DAffine3, DMat3, DVec3};
 use std::sync::Arc;
 use strahl_conformance::agreement::agreement;
-use strahl_conformance::gallery::{GALLERY, scene};
+use strahl_conformance::gallery::{gallery, scene};
 use strahl_conformance::scenes::{SCENES, prepare};
 use strahl_evaluate::Evaluator;
 use strahl_scene::plan::*;
@@ -59,7 +59,7 @@ fn the_golden_scenes_look_the_same() {
 fn every_variant_looks_the_same() {
     for phantom in [Phantom::Tree, Phantom::Anatomy] {
         let volume = phantom.volume([40, 36, 44]).unwrap();
-        for variant in GALLERY {
+        for variant in &gallery() {
             let what = format!("{phantom:?} {}", variant.1);
             let plan = plan_of(&volume, &scene(variant, [60, 50]));
             let drawn = Evaluator::new(&volume).render(&plan, &Control::NONE);
@@ -167,7 +167,7 @@ fn hits_are_as_far_away() {
     (plan.width, plan.height) = (40, 30);
     let [low, high] = a.statistics().range;
     plan.technique_mut().composite = Composite::FirstHit {
-        threshold: 0.5 * (low + high),
+        threshold: (0.5 * (low + high)) as f32,
     };
     plan.with_depth = true;
     both_draw("a surface", &Datasets::from(&a), &plan);

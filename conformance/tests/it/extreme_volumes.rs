@@ -12,7 +12,7 @@ const COMPOSITES: [Composite; 5] = [
         stop_at_transmittance: 0.0,
     },
     Composite::Mip,
-    Composite::MinIp,
+    Composite::Minip,
     Composite::Average,
     Composite::FirstHit { threshold: 0.0 },
 ];

@@ -8,7 +8,7 @@ use crate::variants::{any_variant, blobs, change_all, pair, ramp, two, wall};
 use glam::{DAffine3, DMat3, DVec3};
 use std::sync::OnceLock;
 use strahl_conformance::agreement::agreement;
-use strahl_conformance::gallery::{GALLERY, scene};
+use strahl_conformance::gallery::{gallery, scene};
 use strahl_conformance::scenes::{SCENES as SCENES_WITH_GOLDENS, prepare};
 use strahl_gpu::{Device, Renderer};
 use strahl_scene::plan::*;
@@ -174,7 +174,7 @@ fn every_sample_type_looks_the_same() {
 fn every_variant_looks_the_same() {
     for phantom in [Phantom::Tree, Phantom::Anatomy] {
         let volume = phantom.volume([40, 36, 44]).unwrap();
-        for variant in GALLERY {
+        for variant in &gallery() {
             let what = format!("{phantom:?} {}", variant.1);
             agrees(&what, &volume, &scene(variant, [80, 64]));
         }

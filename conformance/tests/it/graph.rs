@@ -6,7 +6,7 @@ use crate::simple::cut_box;
 use crate::variants::{any_variant, change_all, pair, ramp, two, wall};
 use glam::{DAffine3, DVec3};
 use strahl_conformance::agreement::agreement;
-use strahl_conformance::gallery::{GALLERY, scene};
+use strahl_conformance::gallery::{gallery, scene};
 use strahl_evaluate::Evaluator;
 use strahl_gpu::Renderer;
 use strahl_graph::{Compiler, Graph, standard};
@@ -40,7 +40,7 @@ fn the_standard_graph_is_the_picture_of_the_settings() {
     let Some(device) = device() else { return };
     let volume: &'static _ = Box::leak(Box::new(Phantom::Tree.volume([40, 36, 44]).unwrap()));
     let mut compared = 0;
-    for variant in GALLERY {
+    for variant in &gallery() {
         let text = scene(variant, [80, 64]);
         let plan = resolve(
             &Scene::parse("scene", &text).unwrap(),

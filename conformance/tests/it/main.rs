@@ -8,6 +8,7 @@ mod gpu;
 mod graph;
 mod metamorphic;
 mod orientation;
+mod parameters;
 mod random;
 mod same_bytes;
 mod sim;

@@ -235,7 +235,7 @@ impl Random {
         let parts = self.pick(&[1, 2, 3, 8]);
         if matches!(
             plan.technique().composite,
-            Composite::Mip | Composite::MinIp
+            Composite::Mip | Composite::Minip
         ) && self.once_in(2)
         {
             return Sampling::Refine { parts };
@@ -339,9 +339,11 @@ impl Random {
         let inside = self.between(range[0], range[1]);
         let composite = match self.below(8) {
             0 => Composite::Mip,
-            1 => Composite::MinIp,
+            1 => Composite::Minip,
             2 => Composite::Average,
-            3 | 4 => Composite::FirstHit { threshold: inside },
+            3 | 4 => Composite::FirstHit {
+                threshold: inside as f32,
+            },
             _ => Composite::EmissionAbsorption {
                 stop_at_transmittance: self.pick(&[0.0, 1.0 / 256.0, 0.1]),
             },

@@ -155,7 +155,7 @@ fn of_projections_with_ties() {
         };
         let volume = ties_and_peaks(&mut random, dims);
         let mut plan = random.plan(&volume, [19, 13]);
-        plan.technique_mut().composite = random.pick(&[Composite::Mip, Composite::MinIp]);
+        plan.technique_mut().composite = random.pick(&[Composite::Mip, Composite::Minip]);
         plan.technique_mut().shade = Shade::Unlit;
         plan.lights.clear();
         if random.once_in(2) {

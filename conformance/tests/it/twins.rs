@@ -5,6 +5,7 @@
 //! parameters. A composite gets some samples per ray, or it would have nothing to do.
 
 use crate::gpu::device;
+use crate::parameters::random_values;
 use crate::random::{Random, seeds};
 use crate::simple::{centred, cut_box, of_samples, one_sample_at, parallel, plan, plane};
 use crate::variants::wall;
@@ -12,26 +13,20 @@ use glam::{DAffine3, DMat3, DVec3};
 use strahl_gpu::Renderer;
 use strahl_scene::plan::*;
 use strahl_scene::transfer::TransferTable;
-use strahl_shader::library;
+use strahl_shader::registry::{FUNCTIONS, Function};
 use strahl_volume::{Control, Datasets, Mesh, Samples, Volume};
 
-/// A function, how far a channel may be off, and the share of the calls whose decision may fall the
-/// other way.
-struct Twin {
-    /// Slot and name.
-    name: &'static str,
+/// How alike the two forms of a function have to be.
+#[derive(Clone, Copy)]
+struct Alike {
     /// Largest difference of a linear channel, where 1 is white.
     tolerance: f32,
-    /// Share of the pixels that may be off by more.
+    /// Share of the pixels that may be off by more, because a decision falls the other way.
     flips: f64,
 }
 
-const fn twin(name: &'static str, tolerance: f32, flips: f64) -> Twin {
-    Twin {
-        name,
-        tolerance,
-        flips,
-    }
+const fn alike(tolerance: f32, flips: f64) -> Alike {
+    Alike { tolerance, flips }
 }
 
 /// Arithmetic in single precision, in another order.
@@ -44,76 +39,47 @@ const TURNED: f32 = 1e-3;
 /// values; those of software adapters are exact. A gradient has them twice.
 const HARDWARE_WEIGHTS: f32 = 6.0 / 512.0;
 
-const TWINS: &[Twin] = &[
-    // A sample that lies on a face is on either side of it.
-    twin("clip_ray/plane", ROUNDING, 0.005),
+/// How alike the functions of a slot are unless [`EXCEPTIONS`] has the function.
+fn of_slot(slot: &str) -> Alike {
+    match slot {
+        // A sample that lies on a face is on either side of it.
+        "clip_ray" | "clip_sample" => alike(ROUNDING, 0.005),
+        // Opacity by value: what is nearly transparent is divided by little.
+        "classify" | "gradient_input" | "gradient" => alike(CANCELLED, 0.0),
+        "light" | "illuminate" | "shade" => alike(TURNED, 0.002),
+        _ => alike(ROUNDING, 0.0),
+    }
+}
+
+const EXCEPTIONS: &[(&str, Alike)] = &[
     // Triangles are drawn on one, and met by rays on the other: edges.
-    twin("clip_ray/depth", ROUNDING, 0.01),
-    twin("jitter/hash", ROUNDING, 0.0),
+    ("clip_ray/depth", alike(ROUNDING, 0.01)),
     // The sine of a large number, whose last bits the shift is made of.
-    twin("jitter/sine_hash", 3e-3, 0.02),
-    twin("jitter/tile", ROUNDING, 0.0),
-    // Faces again.
-    twin("clip_sample/box", ROUNDING, 0.005),
-    twin("clip_sample/cylinder", ROUNDING, 0.005),
-    twin("clip_sample/ellipsoid", ROUNDING, 0.005),
-    // Where the mask crosses its threshold.
-    twin("clip_sample/mask", ROUNDING, 0.005),
-    twin("fetch/texture", ROUNDING, 0.0),
-    twin("fetch/marschner_lobb", ROUNDING, 0.0),
-    twin("fetch/noise", ROUNDING, 0.0),
+    ("jitter/sine_hash", alike(3e-3, 0.02)),
     // Half way between two voxels.
-    twin("reconstruct/nearest", ROUNDING, 0.005),
-    twin("reconstruct/trilinear", ROUNDING, 0.0),
-    twin("reconstruct/trilinear_sampler", ROUNDING, 0.0),
-    twin("reconstruct/b_spline", ROUNDING, 0.0),
-    twin("reconstruct/b_spline_sampler", ROUNDING, 0.0),
-    twin("reconstruct/catmull_rom", ROUNDING, 0.0),
-    twin("classify/table", ROUNDING, 0.0),
-    // Opacity by value: what is nearly transparent is divided by little.
-    twin("classify/identity", CANCELLED, 0.0),
+    ("reconstruct/nearest", alike(ROUNDING, 0.005)),
     // A value at the threshold is on either side of it.
-    twin("classify/threshold", ROUNDING, 0.005),
-    twin("classify/gradient_table", CANCELLED, 0.0),
-    twin("classify/pre_classified", ROUNDING, 0.0),
-    twin("gradient_input/value", CANCELLED, 0.0),
-    twin("gradient_input/opacity", CANCELLED, 0.0),
-    twin("gradient/forward", CANCELLED, 0.0),
-    twin("gradient/backward", CANCELLED, 0.0),
-    twin("gradient/central", CANCELLED, 0.0),
-    twin("gradient/central_9", CANCELLED, 0.0),
-    twin("gradient/sobel", CANCELLED, 0.0),
-    twin("gradient/b_spline", CANCELLED, 0.0),
-    twin("light/directional", TURNED, 0.002),
-    twin("light/point", TURNED, 0.002),
-    twin("light/head", TURNED, 0.002),
-    twin("illuminate/lambert", TURNED, 0.002),
-    twin("illuminate/phong", TURNED, 0.002),
-    twin("illuminate/blinn_phong", TURNED, 0.002),
-    twin("illuminate/cook_torrance", TURNED, 0.002),
-    twin("shade/lit", TURNED, 0.002),
-    twin("shade/lit_last_normal", TURNED, 0.002),
-    twin("shade/gradient_opacity", CANCELLED, 0.0),
-    twin("composite/front_to_back", ROUNDING, 0.0),
-    twin("composite/back_to_front", ROUNDING, 0.0),
-    twin("composite/maximum", ROUNDING, 0.0),
-    twin("composite/minimum", ROUNDING, 0.0),
-    twin("composite/average", ROUNDING, 0.0),
-    twin("composite/mida", ROUNDING, 0.0),
+    ("classify/threshold", alike(CANCELLED, 0.005)),
+    ("shade/gradient_opacity", alike(CANCELLED, 0.0)),
+    ("composite/mida", alike(CANCELLED, 0.0)),
     // Whether the value crosses the threshold, and where.
-    twin("composite/first_hit", CANCELLED, 0.005),
-    twin("composite/hit_depth", CANCELLED, 0.005),
-    twin("composite/gradient_maximum", CANCELLED, 0.0),
+    ("composite/first_hit", alike(CANCELLED, 0.005)),
+    ("composite/gmip", alike(CANCELLED, 0.0)),
     // The first sample that is seen.
-    twin("composite/gradient_magnitude", CANCELLED, 0.005),
-    twin("composite/normal", TURNED, 0.005),
+    ("composite/depth", alike(CANCELLED, 0.005)),
+    ("composite/gradient_magnitude", alike(CANCELLED, 0.005)),
+    ("composite/normal", alike(TURNED, 0.005)),
     // In values per mm, up to 255, not from 0 to 1.
-    twin("composite/normal_raw", TURNED, 0.005),
-    twin("composite/entry", ROUNDING, 0.0),
-    twin("composite/exit", ROUNDING, 0.0),
+    ("composite/gradient_raw", alike(TURNED, 0.005)),
     // A sample more or less where the ray leaves.
-    twin("composite/sample_count", ROUNDING, 0.005),
+    ("composite/sample_count", alike(ROUNDING, 0.005)),
 ];
+
+fn alike_of(function: &Function) -> Alike {
+    let name = format!("{}/{}", function.slot, function.name);
+    let found = EXCEPTIONS.iter().find(|(of, _)| *of == name);
+    found.map_or(of_slot(function.slot), |(_, alike)| *alike)
+}
 
 /// What a call is made with.
 struct Case {
@@ -143,8 +109,7 @@ fn soft(random: &mut Random, is_opaque: bool) -> TransferTable {
     TransferTable::new([0.0, 255.0], 1.0, entries.collect())
 }
 
-fn case(name: &str, random: &mut Random) -> Case {
-    let (slot, function) = name.split_once('/').unwrap();
+fn case(function: &Function, random: &mut Random) -> Case {
     let volume = noise(random);
     let camera = parallel(random.direction(), 30.0, 3.0);
     let table = soft(random, true);
@@ -157,98 +122,90 @@ fn case(name: &str, random: &mut Random) -> Case {
         plan,
         volume,
     };
-    match slot {
-        "clip_ray" => clip_ray(&mut case, function, random),
-        "clip_sample" => clip_sample(&mut case, function, random),
-        "composite" => composite(&mut case.plan, function, random),
-        "illuminate" | "light" | "shade" => lit(&mut case.plan, slot, function, random),
-        _ => choose(&mut case.plan, name, random),
+    match function.slot {
+        "clip_ray" => clip_ray(&mut case, function.name, random),
+        "clip_sample" => clip_sample(&mut case, function.name, random),
+        "light" | "shade" => lit(&mut case.plan, function, random),
+        "jitter" => {
+            let seed = random.below(1 << 32) as u32;
+            case.plan.lattice.jitter = match function.name {
+                "hash" => Jitter::Hash(seed),
+                "sine_hash" => Jitter::SineHash,
+                _ => random.pick(&[Jitter::WhiteTile(seed), Jitter::BlueTile(seed)]),
+            };
+        }
+        _ => choose(&mut case.plan, function, random),
     }
     case
 }
 
-/// The slots with one function each.
-fn choose(plan: &mut Plan, name: &str, random: &mut Random) {
-    let white_per_mm = 255.0;
-    match name {
-        "jitter/hash" => plan.lattice.jitter = Jitter::Hash(random.below(1 << 32) as u32),
-        "jitter/sine_hash" => plan.lattice.jitter = Jitter::SineHash,
-        "jitter/tile" => {
-            let seed = random.below(1 << 32) as u32;
-            plan.lattice.jitter = random.pick(&[Jitter::WhiteTile(seed), Jitter::BlueTile(seed)]);
-        }
-        "fetch/marschner_lobb" => {
-            plan.field_mut().fetch = Fetch::MarschnerLobb {
-                frequency: random.between(2.0, 8.0) as f32,
-                alpha: random.between(0.1, 0.5) as f32,
-            };
+/// The functions that are variants of the Plan, with random values of their parameters.
+fn choose(plan: &mut Plan, function: &Function, random: &mut Random) {
+    let drawn = random_values(function, random, [0.0, 255.0], WHITE_PER_MM);
+    let value = |parameter: &str| drawn[parameter];
+    let name = function.is_way_of.unwrap_or(function.name);
+    match (function.slot, function.name) {
+        // The other ways to reconstruct are those of a texture unit that interpolates.
+        ("fetch", "stored") => plan.field_mut().reconstruct = Reconstruct::CatmullRom,
+        ("fetch", _) => {
+            plan.field_mut().fetch = Fetch::of(name, value).unwrap();
             plan.technique_mut().table = in_unit();
         }
-        "fetch/noise" => {
-            plan.field_mut().fetch = Fetch::Noise {
-                cell_voxels: random.between(2.0, 6.0) as f32,
-                octaves: 1 + random.below(3) as u32,
-                seed: random.below(1 << 32) as u32,
-            };
-            plan.technique_mut().table = in_unit();
+        ("reconstruct", _) => {
+            plan.field_mut().reconstruct = Reconstruct::of(name, value).unwrap();
+            let has_sampler = Function::of_slot("reconstruct").any(|f| f.is_way_of == Some(name));
+            // Of a volume that is a function there is no texture that could be interpolated.
+            if has_sampler && function.is_way_of.is_none() {
+                of_function(plan);
+            } else if name == "b_spline" && random.once_in(2) {
+                plan.field_mut().reconstruct = Reconstruct::BSplineInterpolating;
+            }
         }
-        "reconstruct/nearest" => plan.field_mut().reconstruct = Reconstruct::Nearest,
-        // Of a volume that is a function there is no texture that could be interpolated.
-        "reconstruct/trilinear" => of_function(plan),
-        "reconstruct/b_spline" => {
-            of_function(plan);
-            plan.field_mut().reconstruct = Reconstruct::BSpline;
+        ("classify", _) => {
+            plan.technique_mut().classify = Classify::of(name, value).unwrap();
+            if name == "pre_classified" {
+                plan.technique_mut().table = soft(random, false);
+            }
         }
-        "reconstruct/b_spline_sampler" => {
-            plan.field_mut().reconstruct =
-                random.pick(&[Reconstruct::BSpline, Reconstruct::BSplineInterpolating]);
-        }
-        "fetch/texture" | "reconstruct/catmull_rom" => {
-            plan.field_mut().reconstruct = Reconstruct::CatmullRom;
-        }
-        "reconstruct/trilinear_sampler" | "classify/table" => {}
-        "classify/identity" => {
-            plan.technique_mut().classify = Classify::Identity {
-                black: random.between(-50.0, 50.0) as f32,
-                white: random.between(200.0, 300.0) as f32,
-            };
-        }
-        "classify/threshold" => {
-            plan.technique_mut().classify = Classify::Threshold {
-                threshold: random.between(50.0, 200.0) as f32,
-                black: 0.0,
-                white: 255.0,
-            };
-        }
-        "classify/gradient_table" => {
-            plan.technique_mut().classify = Classify::GradientTable {
-                low_per_mm: random.between(0.0, 50.0) as f32,
-                high_per_mm: random.between(150.0, 255.0) as f32,
-            };
-        }
-        "classify/pre_classified" => {
-            plan.technique_mut().classify = Classify::PreClassified;
-            plan.technique_mut().table = soft(random, false);
-        }
-        "gradient_input/value" => raw_gradient(plan, white_per_mm),
-        "gradient_input/opacity" => {
+        ("gradient_input", "opacity") => {
             raw_gradient(plan, 1.0);
             plan.technique_mut().table = soft(random, false);
             plan.technique_mut().gradient_input = GradientInput::Opacity;
         }
-        gradient => {
-            raw_gradient(plan, white_per_mm);
-            plan.field_mut().gradient = match gradient {
-                "gradient/forward" => GradientMethod::Forward,
-                "gradient/backward" => GradientMethod::Backward,
-                "gradient/central" => GradientMethod::Central,
-                "gradient/central_9" => GradientMethod::Central9,
-                "gradient/sobel" => GradientMethod::Sobel,
-                "gradient/b_spline" => GradientMethod::BSpline,
-                other => panic!("{other}: no case"),
+        ("gradient_input", _) => raw_gradient(plan, WHITE_PER_MM as f32),
+        ("gradient", _) => {
+            raw_gradient(plan, WHITE_PER_MM as f32);
+            plan.field_mut().gradient = GradientMethod::of(name, value).unwrap();
+        }
+        ("illuminate", _) => {
+            let radiance = std::array::from_fn(|_| random.between(0.3, 1.0) as f32);
+            plan.lights = vec![PlanLight::Directional {
+                to_light: random.direction(),
+                radiance,
+            }];
+            plan.technique_mut().shade = Shade::Lit {
+                ambient: 0.2,
+                illuminate: Illuminate::of(name, value).unwrap(),
+                keep_last_normal: false,
             };
         }
+        ("composite", _) => {
+            some_samples(plan);
+            plan.technique_mut().table = soft(random, false);
+            plan.technique_mut().composite = Composite::of(name, value).unwrap();
+        }
+        (slot, name) => panic!("{slot}/{name}: no case"),
     }
+}
+
+/// A steep gradient of values from 0 to 255, one mm apart.
+const WHITE_PER_MM: f64 = 255.0;
+
+/// Four samples per ray.
+fn some_samples(plan: &mut Plan) {
+    let forward = plan.camera.forward;
+    let half = 2.0 * plan.lattice.step_mm;
+    plan.ray_clips = vec![plane(forward, half), plane(-forward, half)];
 }
 
 fn of_function(plan: &mut Plan) {
@@ -320,9 +277,9 @@ fn clip_sample(case: &mut Case, function: &str, random: &mut Random) {
     case.plan.sample_clips.push(clip);
 }
 
-fn lit(plan: &mut Plan, slot: &str, function: &str, random: &mut Random) {
+fn lit(plan: &mut Plan, function: &Function, random: &mut Random) {
     let radiance = std::array::from_fn(|_| random.between(0.3, 1.0) as f32);
-    plan.lights = vec![match function {
+    plan.lights = vec![match function.name {
         "point" => PlanLight::Point {
             place_mm: random.direction() * random.between(2.0, 20.0),
             reach_mm: random.between(5.0, 30.0) as f32,
@@ -334,92 +291,22 @@ fn lit(plan: &mut Plan, slot: &str, function: &str, random: &mut Random) {
             radiance,
         },
     }];
-    let (diffuse, specular) = (random.unit() as f32, 0.5 * random.unit() as f32);
-    let shininess = random.between(1.0, 40.0) as f32;
-    let illuminate = match (slot, function) {
-        ("illuminate", "phong") => Illuminate::Phong {
-            diffuse,
-            specular,
-            shininess,
-        },
-        ("illuminate", "cook_torrance") => Illuminate::CookTorrance {
-            diffuse,
-            roughness: random.between(0.2, 1.0) as f32,
-            reflectance: specular,
-        },
-        ("illuminate", "lambert") | ("light", _) => Illuminate::Lambert { diffuse: 0.9 },
-        _ => Illuminate::BlinnPhong {
-            diffuse,
-            specular,
-            shininess,
-        },
-    };
-    plan.technique_mut().shade = match function {
-        "gradient_opacity" => Shade::GradientOpacity {
-            full_per_mm: random.between(100.0, 300.0) as f32,
-        },
-        _ => Shade::Lit {
-            ambient: 0.2,
-            illuminate,
-            keep_last_normal: function == "lit_last_normal",
-        },
-    };
-}
-
-fn composite(plan: &mut Plan, function: &str, random: &mut Random) {
-    // Four samples.
-    let forward = plan.camera.forward;
-    let half = 2.0 * plan.lattice.step_mm;
-    plan.ray_clips = vec![plane(forward, half), plane(-forward, half)];
-    plan.technique_mut().table = soft(random, false);
-    plan.technique_mut().composite = match function {
-        "front_to_back" => Composite::EmissionAbsorption {
-            stop_at_transmittance: 0.0,
-        },
-        "back_to_front" => Composite::BackToFront,
-        "maximum" => Composite::Mip,
-        "minimum" => Composite::MinIp,
-        "average" => Composite::Average,
-        "mida" => Composite::Mida {
-            low: 0.0,
-            high: 255.0,
-            blend: random.between(-1.0, 0.0) as f32,
-            stop_at_transmittance: 0.0,
-        },
-        "first_hit" | "hit_depth" => Composite::FirstHit {
-            threshold: random.between(80.0, 180.0),
-        },
-        "gradient_maximum" => Composite::Gmip {
-            white_per_mm: 255.0,
-        },
-        debug => Composite::Debug(match debug {
-            "entry" => DebugView::Entry,
-            "exit" => DebugView::Exit,
-            "normal" => DebugView::Normal,
-            "normal_raw" => DebugView::GradientRaw,
-            "gradient_magnitude" => DebugView::GradientMagnitude {
-                white_per_mm: 255.0,
-            },
-            "sample_count" => DebugView::SampleCount { white: 6.0 },
-            other => panic!("{other}: no case"),
-        }),
-    };
-    if function == "hit_depth" {
-        plan.technique_mut().composite = Composite::Debug(DebugView::Depth {
-            near_mm: 25.0,
-            far_mm: 35.0,
-        });
-    }
+    let drawn = random_values(function, random, [0.0, 255.0], WHITE_PER_MM);
+    let shade = Shade::of(function.name, |parameter| drawn[parameter]);
+    plan.technique_mut().shade = shade.unwrap_or(Shade::Lit {
+        ambient: 0.2,
+        illuminate: Illuminate::Lambert { diffuse: 0.9 },
+        keep_last_normal: function.name == "lit_last_normal",
+    });
 }
 
 #[test]
-fn every_function_of_the_library_has_its_twin_here() {
-    let named: Vec<_> = TWINS.iter().map(|twin| twin.name.to_owned()).collect();
-    for module in library() {
-        let name = format!("{}/{}", module.slot().name, module.name());
-        assert!(named.contains(&name), "{name} is in no table");
+fn exceptions_are_of_functions_that_there_are() {
+    for (name, _) in EXCEPTIONS {
+        let (slot, function) = name.split_once('/').unwrap();
+        let found = Function::of_slot(slot).any(|f| f.name == function);
+        assert!(found, "{name}");
     }
-    assert_eq!(named.len(), library().len());
 }
 
 #[test]
@@ -431,12 +318,13 @@ fn twins_give_the_same_from_the_same_numbers() {
         false => (HARDWARE_WEIGHTS, 0.05),
     };
     let mut wrong = Vec::new();
-    for twin in TWINS {
-        let (slot, function) = twin.name.split_once('/').unwrap();
+    for of in FUNCTIONS.iter().filter(|f| f.has_text) {
+        let Function { slot, name, .. } = of;
+        let twin = alike_of(of);
         let (mut most, mut off, mut all, mut seen) = (0.0f32, 0usize, 0usize, 0usize);
         for seed in seeds(3) {
             let mut random = Random::new(seed ^ 0x7315);
-            let case = case(twin.name, &mut random);
+            let case = case(of, &mut random);
             let data = Datasets {
                 volumes: vec![case.volume.clone()],
                 masks: case.masks.clone(),
@@ -447,9 +335,9 @@ fn twins_give_the_same_from_the_same_numbers() {
                 .unwrap();
             let mut renderer = Renderer::new(device, data);
             let program = renderer.program(&case.plan).unwrap();
-            let heading = format!(": {function} (library/{slot}/{function}.wgsl) ----");
+            let heading = format!(": {name} (library/{slot}/{name}.wgsl) ----");
             if !program.wgsl().contains(&heading) {
-                wrong.push(format!("{}: not called", twin.name));
+                wrong.push(format!("{slot}/{name}: not called"));
                 continue;
             }
             let gpu = renderer.render(&case.plan, &Control::NONE).unwrap();
@@ -471,12 +359,12 @@ fn twins_give_the_same_from_the_same_numbers() {
         let share = off as f64 / all as f64;
         println!(
             "{:32} {most:.1e} {share:.4}, {seen} of {all} seen",
-            twin.name
+            format!("{slot}/{name}")
         );
         if share > twin.flips + flips || seen < all / 5 {
             wrong.push(format!(
-                "{}: {share:.4} are off by more than {}, {seen} of {all} are seen",
-                twin.name, twin.tolerance
+                "{slot}/{name}: {share:.4} are off by more than {}, {seen} of {all} are seen",
+                twin.tolerance
             ));
         }
     }

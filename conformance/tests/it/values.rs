@@ -147,7 +147,7 @@ fn projections_of_analytic_fields_are_what_they_must_be() {
     let view = parallel(DVec3::Y, 30.0, 5.0);
     for (composite, y_mm) in [
         (Composite::Mip, 7.5),
-        (Composite::MinIp, -7.5),
+        (Composite::Minip, -7.5),
         (Composite::Average, 0.0),
     ] {
         let mut plan = plan(&linear, view, grey(-40.0, 40.0));
@@ -172,7 +172,7 @@ fn projections_of_analytic_fields_are_what_they_must_be() {
         parallel(DVec3::new(0.4, 0.8, -0.3), 60.0, 9.0),
         grey(0.0, 40.0),
     );
-    plan.technique_mut().composite = Composite::MinIp;
+    plan.technique_mut().composite = Composite::Minip;
     for (name, x, y, pixel) in draw(&distance, &plan) {
         let (origin, direction) = truth::ray(&plan, x, y);
         let expected = (origin - origin.dot(direction) * direction).length();

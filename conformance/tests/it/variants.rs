@@ -1,15 +1,18 @@
 //! The variants of every step that have no brute-force truth: exact answers, and pairs of pictures
 //! that must be the same.
 
+use crate::parameters::random_values;
 use crate::random::{Random, seeds};
 use crate::simple::{
     blinn_phong, centred, cut_box, grey, grids, of_samples, one_sample_at, parallel, plan, plane,
     value_shown, volume, white,
 };
 use glam::{DAffine3, DMat3, DVec3};
+use std::collections::HashMap;
 use strahl_cpu::{Options, Rendered, Renderer};
 use strahl_scene::plan::*;
 use strahl_scene::transfer::TransferTable;
+use strahl_shader::registry::Function;
 use strahl_volume::{Control, Datasets, Grid, Mesh, Samples, Volume};
 
 const GRADIENTS: [GradientMethod; 6] = [
@@ -479,75 +482,45 @@ fn an_interpolating_spline_goes_through_the_voxels() {
     }
 }
 
+/// Any function of a slot that is a choice of its own, with random values.
+fn any_of(
+    slot: &str,
+    random: &mut Random,
+    [low, high]: [f32; 2],
+    steep_per_mm: f32,
+) -> (&'static str, HashMap<&'static str, f64>) {
+    let choices: Vec<_> = Function::of_slot(slot)
+        .filter(|function| function.is_way_of.is_none())
+        .collect();
+    let function = random.pick(&choices);
+    let values = [low, high].map(f64::from);
+    let drawn = random_values(function, random, values, f64::from(steep_per_mm));
+    (function.name, drawn)
+}
+
 /// A random Plan with any variant of every step.
 pub fn any_variant(random: &mut Random, volume: &Volume) -> Plan {
     let mut plan = random.plan(volume, [13, 11]);
     let [low, high] = volume.statistics().range.map(|v| v as f32);
     let high = if high > low { high } else { low + 1.0 };
     let steep = (high - low) / volume.grid().min_spacing_mm() as f32;
-    plan.technique_mut().classify = random.pick(&[
-        Classify::Table,
-        Classify::Identity {
-            black: low,
-            white: high,
-        },
-        Classify::Threshold {
-            threshold: 0.5 * (low + high),
-            black: low,
-            white: high,
-        },
-        Classify::GradientTable {
-            low_per_mm: 0.1 * steep,
-            high_per_mm: 0.5 * steep,
-        },
-        Classify::PreClassified,
-    ]);
-    plan.technique_mut().composite = random.pick(&[
-        plan.technique().composite,
-        Composite::BackToFront,
-        Composite::Gmip {
-            white_per_mm: steep,
-        },
-        Composite::Mida {
-            low,
-            high,
-            blend: -0.5,
-            stop_at_transmittance: 1.0 / 256.0,
-        },
-        Composite::Mida {
-            low,
-            high,
-            blend: 0.0,
-            stop_at_transmittance: 0.0,
-        },
-        Composite::Debug(DebugView::Entry),
-        Composite::Debug(DebugView::Exit),
-        Composite::Debug(DebugView::GradientRaw),
-        Composite::Debug(DebugView::Depth {
-            near_mm: 0.0,
-            far_mm: 100.0,
-        }),
-    ]);
-    plan.field_mut().reconstruct = random.pick(&[
-        plan.field().reconstruct,
-        Reconstruct::BSpline,
-        Reconstruct::BSplineInterpolating,
-        Reconstruct::CatmullRom,
-    ]);
-    plan.field_mut().fetch = random.pick(&[
-        Fetch::Stored,
-        Fetch::Stored,
-        Fetch::Noise {
-            cell_voxels: 3.0,
-            octaves: 2,
-            seed: 5,
-        },
-        Fetch::MarschnerLobb {
-            frequency: 6.0,
-            alpha: 0.25,
-        },
-    ]);
+    let mut any = |slot: &str| any_of(slot, random, [low, high], steep);
+    let (name, values) = any("classify");
+    plan.technique_mut().classify = Classify::of(name, |p| values[p]).unwrap();
+    let (name, values) = any("composite");
+    // Where a gradient is small, rounding turns the normal.
+    if name != "normal" {
+        plan.technique_mut().composite = Composite::of(name, |p| values[p]).unwrap();
+    }
+    let (name, values) = any("reconstruct");
+    plan.field_mut().reconstruct = Reconstruct::of(name, |p| values[p]).unwrap();
+    let (name, values) = any("fetch");
+    let (model, of_model) = any("illuminate");
+    let keep_last_normal = random.once_in(2);
     plan.field_mut().gradient = random.pick(&GRADIENTS);
+    if random.once_in(2) {
+        plan.field_mut().fetch = Fetch::of(name, |p| values[p]).unwrap();
+    }
     // An opacity that follows the gradient has no gradient: `resolve` refuses it.
     if !matches!(plan.technique().classify, Classify::GradientTable { .. }) {
         plan.technique_mut().gradient_input =
@@ -558,12 +531,8 @@ pub fn any_variant(random: &mut Random, volume: &Volume) -> Plan {
         blinn_phong(0.2, 0.5, 0.3, 20.0),
         Shade::Lit {
             ambient: 0.1,
-            illuminate: Illuminate::CookTorrance {
-                diffuse: 0.6,
-                roughness: 0.3,
-                reflectance: 0.1,
-            },
-            keep_last_normal: false,
+            illuminate: Illuminate::of(model, |p| of_model[p]).unwrap(),
+            keep_last_normal,
         },
         Shade::GradientOpacity { full_per_mm: steep },
     ]);

@@ -6,8 +6,8 @@ use anyhow::{Context, Result, anyhow, bail};
 use std::str::FromStr;
 use strahl::scene::plan::MOST_EDGE_PIXELS;
 use strahl::scene::{
-    BoxClip, BoxSpace, DebugView, Endian, Jitter, PlaneClip, PointsIn, Quality, Reconstruct,
-    Shading, ShadingModel, ToneMap, VolumeSource,
+    BoxClip, BoxSpace, Endian, Jitter, PlaneClip, PointsIn, Quality, Reconstruct, Shading,
+    ShadingModel, ToneMap, VolumeSource,
 };
 use strahl::volume::SampleType;
 use strahl::volume::read::ReadOptions;
@@ -128,7 +128,7 @@ pub fn draw_over(flags: &DrawFlags, scene: &mut Scene) -> Result<()> {
         });
     }
     if let Some(name) = &flags.debug {
-        scene.debug = DebugView::from_name(name);
+        scene.debug = name.parse().ok();
     }
     Ok(())
 }
@@ -190,7 +190,7 @@ fn look_over(flags: &DrawFlags, scene: &mut Scene) -> Result<()> {
             scene.lights = None;
         }
         Some(name) => {
-            let model = ShadingModel::ALL.into_iter().find(|m| m.name() == name);
+            let model = name.parse().ok();
             scene.shading.get_or_insert_default().model = model;
         }
         None => {}

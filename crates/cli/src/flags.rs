@@ -294,7 +294,7 @@ pub struct DrawFlags {
 
     /// Draw how the picture is made instead
     #[arg(long, value_name = "VIEW", help_heading = "Quality",
-          value_parser = PossibleValuesParser::new(DebugView::ALL.map(|(_, name)| name)))]
+          value_parser = PossibleValuesParser::new(DebugView::ALL.map(DebugView::name)))]
     pub debug: Option<String>,
 }
 

@@ -47,7 +47,7 @@ impl Clipped {
     ) -> Result<Option<Clipped>, Cancelled> {
         let is_projection = matches!(
             plan.technique().composite,
-            Composite::Mip | Composite::MinIp
+            Composite::Mip | Composite::Minip
         );
         let is_of_points = match plan.sampling {
             Sampling::Regular | Sampling::ByOpacity { .. } => true,

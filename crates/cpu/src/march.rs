@@ -39,7 +39,7 @@ impl<S: Level> Scenery<'_, S> {
             to_eye: each!(rays.direction, |d| -d),
             state: State::start(match self.composite {
                 Composite::Mip => maximum::START,
-                Composite::MinIp => minimum::START,
+                Composite::Minip => minimum::START,
                 _ => 0.0,
             }),
             sampled: F32s::zero(),
@@ -60,7 +60,7 @@ impl<S: Level> Scenery<'_, S> {
             (_, Composite::BackToFront) => packet.backwards_through_several(),
             _ => packet.forwards_through_several(),
         };
-        if let ([object], Sampling::Refine { parts }, Composite::Mip | Composite::MinIp) =
+        if let ([object], Sampling::Refine { parts }, Composite::Mip | Composite::Minip) =
             (self.objects.as_slice(), self.plan.sampling, self.composite)
         {
             packet.refine_projection(object, parts);

@@ -142,9 +142,9 @@ impl Rejection {
             (Composite::EmissionAbsorption { .. }, classify) => {
                 Seen::Shown(Between::new(classify, &technique.table))
             }
-            (Composite::FirstHit { threshold }, _) => Seen::From(threshold as f32),
+            (Composite::FirstHit { threshold }, _) => Seen::From(threshold),
             (Composite::Mip, _) => Seen::Larger,
-            (Composite::MinIp, _) => Seen::Smaller,
+            (Composite::Minip, _) => Seen::Smaller,
             _ => return None,
         };
         let slope = rescale.slope as f32;
@@ -265,16 +265,16 @@ mod tests {
             let all = F32s::<Portable>::zero().le(F32s::zero());
             let yes = |mask: Mask<Portable>| mask.select(F32s::splat(1.0), F32s::zero());
             for composite in [
-                Composite::FirstHit { threshold: f64::from(threshold) },
+                Composite::FirstHit { threshold },
                 Composite::Mip,
-                Composite::MinIp,
+                Composite::Minip,
             ] {
                 plan.technique_mut().composite = composite;
                 let rejection = Rejection::new(&of_cubic, &plan, 0, read.rescale()).unwrap();
                 let so_far = F32s::splat(threshold);
                 let seen = yes(rejection.may_be_seen(&*values, position, so_far, all));
                 let is_seen = match composite {
-                    Composite::MinIp => found.le(so_far),
+                    Composite::Minip => found.le(so_far),
                     _ => so_far.le(found),
                 };
                 // How far two linear kernels and a cubic one can lie apart at all; coefficients, more than their values.

@@ -312,7 +312,7 @@ impl<'g> Checker<'g> {
                     }
                 }
                 None => {
-                    let names: Vec<_> = parameters.iter().map(|p| p.name.as_str()).collect();
+                    let names: Vec<_> = parameters.iter().map(|p| &*p.name).collect();
                     self.wrong(
                         place,
                         match names[..] {

@@ -158,7 +158,16 @@ impl BuiltIn {
 /// The name of the pattern that is the ray itself, whose only argument is the pixel.
 pub const RAY: &str = "ray";
 
-static BUILT_IN: [BuiltIn; 9] = [
+/// What both ways to add a sample take.
+const SAMPLE: [(&str, &str, &str); 5] = [
+    ("state", "CompositeState", ""),
+    ("value", "f32", "value"),
+    ("lattice_point", "f32", "lattice_point"),
+    ("position", "vec3f", "position.voxel"),
+    ("to_eye", "vec3f", "direction.world"),
+];
+
+static BUILT_IN: [BuiltIn; 14] = [
     BuiltIn {
         name: RAY,
         call: "ray_of_pixel",
@@ -261,6 +270,49 @@ static BUILT_IN: [BuiltIn; 9] = [
         comment: "Whether a value is neither infinite nor NaN.",
         inputs: &[("value", "f32", "value")],
         outputs: &[("out", "bool", "")],
+    },
+    BuiltIn {
+        name: "composite_start",
+        call: "composite_start",
+        comment: "What the scene's composite remembers of a ray without samples.",
+        inputs: &[],
+        outputs: &[("out", "CompositeState", "")],
+    },
+    BuiltIn {
+        name: "composite_of_look",
+        call: "composite_of_look",
+        comment: "A sample with its look, added by the scene's composite; the opacity is that of a step.",
+        inputs: &[
+            SAMPLE[0],
+            SAMPLE[1],
+            SAMPLE[2],
+            SAMPLE[3],
+            SAMPLE[4],
+            ("color", "vec3f", "color.linear"),
+            ("opacity", "f32", "opacity.step"),
+        ],
+        outputs: &[("out", "CompositeState", "")],
+    },
+    BuiltIn {
+        name: "composite_of_sample",
+        call: "composite_of_sample",
+        comment: "A sample, added by a composite of the scene that asks for no look.",
+        inputs: &SAMPLE,
+        outputs: &[("out", "CompositeState", "")],
+    },
+    BuiltIn {
+        name: "composite_done",
+        call: "composite_done",
+        comment: "Whether the scene's composite needs no more samples of the ray.",
+        inputs: &[("state", "CompositeState", "")],
+        outputs: &[("out", "bool", "")],
+    },
+    BuiltIn {
+        name: "composite_finish",
+        call: "composite_finish",
+        comment: "The pixel that the scene's composite makes: colour, premultiplied, and opacity.",
+        inputs: &[("state", "CompositeState", "")],
+        outputs: &[("out", "vec4f", "")],
     },
 ];
 

@@ -49,11 +49,11 @@ pub fn standard(plan: &Plan) -> Result<Graph, Error> {
         Composite::BackToFront => graph.emission_absorption(true),
         Composite::Mida { .. } => graph.mida(),
         Composite::Mip => graph.extreme("larger"),
-        Composite::MinIp => graph.extreme("smaller"),
+        Composite::Minip => graph.extreme("smaller"),
         Composite::Average => graph.average(),
         Composite::Gmip { white_per_mm } => graph.steepest(white_per_mm),
-        Composite::FirstHit { threshold } => graph.first_hit(threshold),
-        Composite::Debug(_) => {}
+        Composite::FirstHit { threshold } => graph.first_hit(f64::from(threshold)),
+        other => graph.rule(other.function().adds_looks),
     }
     Ok(graph.graph)
 }
@@ -390,6 +390,97 @@ impl Builder<'_> {
             stop.map(|_| "is_opaque"),
         );
         self.pixel();
+    }
+
+    /// Any other composite of the library: what it remembers is carried as it is, and its own functions are called.
+    fn rule(&mut self, adds_looks: bool) {
+        let mut carry = vec![
+            carried("k", "f32", 0.0.into(), "advance"),
+            carried("state", "CompositeState", "start".into(), "seen.state"),
+        ];
+        let keeps_normal = adds_looks && self.is_last_normal_kept();
+        if keeps_normal {
+            carry.push(carried("normal", "vec3f", numbers(&[0.0]), "seen.normal"));
+        }
+        self.put(pattern("start", "composite_start"));
+        self.put(Node::new(
+            "samples",
+            Kind::Loop(Loop {
+                carry,
+                while_: Some(Reference::new("is_before_end")),
+                until: Some(Reference::new("seen.done")),
+            }),
+        ));
+        self.sample(false);
+        let way = if adds_looks {
+            "composite_of_look"
+        } else {
+            "composite_of_sample"
+        };
+        let mut composite = pattern("composite", way)
+            .input("state", "samples.state")
+            .input("value", "after_sample")
+            .input("lattice_point", "point")
+            .input("position", "position")
+            .input("to_eye", "ray.to_eye");
+        if adds_looks {
+            self.visible_look(keeps_normal);
+            composite = composite
+                .input("color", "before_composite_color")
+                .input("opacity", "before_composite_opacity");
+        }
+        self.put(composite);
+        self.put(pattern("is_done", "composite_done").input("state", "composite"));
+        let mut from = ["composite", "is_done", "visible.normal"].map(str::to_owned);
+        for (level, condition) in [
+            ("found", "is_value"),
+            ("kept", "is_kept"),
+            ("seen", "is_seen"),
+        ] {
+            let mut node = Node::new(level, Kind::If)
+                .input("if", condition)
+                .input("then.state", from[0].as_str())
+                .input("else.state", "samples.state")
+                .input("then.done", from[1].as_str())
+                .input("else.done", false);
+            if keeps_normal {
+                node = node
+                    .input("then.normal", from[2].as_str())
+                    .input("else.normal", "samples.normal");
+            }
+            self.put(node);
+            from = ["state", "done", "normal"].map(|output| format!("{level}.{output}"));
+        }
+        self.put(pattern("finished", "composite_finish").input("state", "samples.last.state"));
+        self.anchor("after_composite_color", "finished.rgb");
+        self.anchor("after_composite_opacity", "finished.a");
+        self.put(
+            pattern("pixel", "pixel")
+                .input("color", "after_composite_color")
+                .input("opacity", "after_composite_opacity"),
+        );
+        self.root("color", "pixel");
+    }
+
+    /// The look of a sample as `look` of shader functions gives it: nothing where nothing is visible.
+    fn visible_look(&mut self, keeps_normal: bool) {
+        self.look("after_sample", "position", Some("samples.normal"));
+        self.put(pattern("step_opacity", "step_opacity").input("opacity", "after_shade_opacity"));
+        self.put(pattern("is_visible", "above").input("a", "after_classify.opacity"));
+        let mut visible = Node::new("visible", Kind::If)
+            .input("if", "is_visible")
+            .input("then.color", "after_shade_color")
+            .input("else.color", numbers(&[0.0, 0.0, 0.0]))
+            .input("then.opacity", "step_opacity")
+            .input("else.opacity", 0.0);
+        if keeps_normal {
+            visible = visible
+                .input("then.normal", "normals.kept")
+                .input("else.normal", "samples.normal");
+        }
+        self.put(visible);
+        self.anchor("before_composite_color", "visible.color");
+        self.anchor("before_composite_opacity", "visible.opacity");
     }
 
     /// Several objects on one lattice, which begins where the ray meets the first of them: at every point all

@@ -41,7 +41,7 @@ const fn vector(components: usize) -> Type {
     Type::Vector(Scalar::F32, components)
 }
 
-static STRUCTS: [Struct; 4] = [
+static STRUCTS: [Struct; 5] = [
     Struct {
         name: "Surface",
         members: &[
@@ -71,6 +71,11 @@ static STRUCTS: [Struct; 4] = [
             ("position", vector(3), Some(Meaning::VoxelPosition)),
             ("to_eye", vector(3), Some(Meaning::Direction)),
         ],
+    },
+    // What the scene's composite remembers along a ray; only the composite reads it.
+    Struct {
+        name: "CompositeState",
+        members: &[],
     },
 ];
 

@@ -3,9 +3,9 @@
 use glam::DVec3;
 use std::sync::Arc;
 use strahl_scene::plan::{
-    Classify, ClipShape, Composite, DebugView, Fetch, GradientInput, GradientMethod, Illuminate,
-    Jitter, Plan, PlanLight, PlanModule, Reconstruct, Sampling, Shade,
+    ClipShape, Fetch, Jitter, Plan, PlanLight, PlanModule, Reconstruct, Sampling, Shade, Technique,
 };
+use strahl_shader::registry::Function;
 use strahl_shader::{Error, Fold, Module, Program, Selection, built_in};
 
 /// The functions of a Plan, and the values of their parameters.
@@ -45,7 +45,8 @@ impl Functions {
         functions.ray(plan, mask_threshold)?;
         functions.sample(plan, is_filtered)?;
         functions.light(plan)?;
-        functions.composite(plan)?;
+        let composite = plan.technique().composite;
+        functions.choose(composite.function(), composite.values())?;
         functions.modules(plan);
         let modules = functions.values.iter().map(|values| values.module.clone());
         functions.selection = modules.fold(Selection::new(), Selection::with);
@@ -88,6 +89,16 @@ impl Functions {
             values: values.into_iter().map(named).collect(),
         });
         Ok(())
+    }
+
+    /// A function that the Plan names as such.
+    fn choose(
+        &mut self,
+        function: &Function,
+        values: Vec<(&'static str, f64)>,
+    ) -> Result<(), Error> {
+        let values = values.into_iter().map(|(name, value)| (name, vec![value]));
+        self.put(function.slot, function.name, values.collect())
     }
 
     fn ray(
@@ -143,100 +154,42 @@ impl Functions {
     }
 
     fn sample(&mut self, plan: &Plan, is_filtered: bool) -> Result<(), Error> {
-        let (fetch, values) = match plan.field().fetch {
-            Fetch::Stored => ("texture", vec![]),
-            Fetch::MarschnerLobb { frequency, alpha } => (
-                "marschner_lobb",
-                vec![("frequency", one(frequency)), ("alpha", one(alpha))],
-            ),
-            Fetch::Noise {
-                cell_voxels,
-                octaves,
-                seed,
-            } => (
-                "noise",
-                vec![
-                    ("cell_voxels", one(cell_voxels)),
-                    ("octaves", vec![f64::from(octaves)]),
-                    ("seed", vec![f64::from(seed)]),
-                ],
-            ),
-        };
-        self.put("fetch", fetch, values)?;
+        let (field, technique) = (plan.field(), plan.technique());
+        self.choose(field.fetch.function(), field.fetch.values())?;
         // The texture unit knows what is stored only.
         let has_own_fetch = plan.modules.iter().any(|m| m.module.slot().name == "fetch");
-        let filtered = is_filtered && plan.field().fetch == Fetch::Stored && !has_own_fetch;
-        let reconstruct = match plan.field().reconstruct {
-            Reconstruct::Nearest => "nearest",
+        let filtered = is_filtered && field.fetch == Fetch::Stored && !has_own_fetch;
+        let reconstruct = match field.reconstruct {
             Reconstruct::Trilinear if filtered => "trilinear_sampler",
-            Reconstruct::Trilinear => "trilinear",
             // The texture holds coefficients if the spline shall interpolate.
             Reconstruct::BSpline | Reconstruct::BSplineInterpolating if filtered => {
                 "b_spline_sampler"
             }
-            Reconstruct::BSpline | Reconstruct::BSplineInterpolating => "b_spline",
-            Reconstruct::CatmullRom => "catmull_rom",
+            way => way.function().name,
         };
         self.put("reconstruct", reconstruct, vec![])?;
-        let (classify, values) = match plan.technique().classify {
-            Classify::Table => ("table", vec![]),
-            Classify::Identity { black, white } => (
-                "identity",
-                vec![("black", one(black)), ("white", one(white))],
-            ),
-            Classify::Threshold {
-                threshold,
-                black,
-                white,
-            } => (
-                "threshold",
-                vec![
-                    ("threshold", one(threshold)),
-                    ("black", one(black)),
-                    ("white", one(white)),
-                ],
-            ),
-            Classify::GradientTable {
-                low_per_mm,
-                high_per_mm,
-            } => (
-                "gradient_table",
-                vec![
-                    ("low_per_mm", one(low_per_mm)),
-                    ("high_per_mm", one(high_per_mm)),
-                ],
-            ),
-            Classify::PreClassified => ("pre_classified", vec![]),
-        };
-        self.put("classify", classify, values)?;
-        let input = match plan.technique().gradient_input {
-            GradientInput::Value => "value",
-            GradientInput::Opacity => "opacity",
-        };
-        self.put("gradient_input", input, vec![])?;
-        let method = match plan.field().gradient {
-            GradientMethod::Forward => "forward",
-            GradientMethod::Backward => "backward",
-            GradientMethod::Central => "central",
-            GradientMethod::Central9 => "central_9",
-            GradientMethod::Sobel => "sobel",
-            GradientMethod::BSpline => "b_spline",
-        };
-        self.put("gradient", method, vec![])
+        let Technique {
+            classify,
+            gradient_input,
+            ..
+        } = technique;
+        self.choose(classify.function(), classify.values())?;
+        self.choose(gradient_input.function(), gradient_input.values())?;
+        self.choose(field.gradient.function(), field.gradient.values())
     }
 
     fn light(&mut self, plan: &Plan) -> Result<(), Error> {
         let (ambient, illuminate, keep_last_normal) = match plan.technique().shade {
-            Shade::Unlit => return Ok(()),
-            Shade::GradientOpacity { full_per_mm } => {
-                let values = vec![("full_per_mm", one(full_per_mm))];
-                return self.put("shade", "gradient_opacity", values);
-            }
             Shade::Lit {
                 ambient,
                 illuminate,
                 keep_last_normal,
             } => (ambient, illuminate, keep_last_normal),
+            other => {
+                return other
+                    .function()
+                    .map_or(Ok(()), |f| self.choose(f, other.values()));
+            }
         };
         let shade = if keep_last_normal {
             "lit_last_normal"
@@ -244,39 +197,7 @@ impl Functions {
             "lit"
         };
         self.put("shade", shade, vec![("ambient", one(ambient))])?;
-        let shiny = |diffuse: f32, specular: f32, shininess: f32| {
-            vec![
-                ("diffuse", one(diffuse)),
-                ("specular", one(specular)),
-                ("shininess", one(shininess)),
-            ]
-        };
-        let (model, values) = match illuminate {
-            Illuminate::Lambert { diffuse } => ("lambert", vec![("diffuse", one(diffuse))]),
-            Illuminate::Phong {
-                diffuse,
-                specular,
-                shininess,
-            } => ("phong", shiny(diffuse, specular, shininess)),
-            Illuminate::BlinnPhong {
-                diffuse,
-                specular,
-                shininess,
-            } => ("blinn_phong", shiny(diffuse, specular, shininess)),
-            Illuminate::CookTorrance {
-                diffuse,
-                roughness,
-                reflectance,
-            } => (
-                "cook_torrance",
-                vec![
-                    ("diffuse", one(diffuse)),
-                    ("roughness", one(roughness)),
-                    ("reflectance", one(reflectance)),
-                ],
-            ),
-        };
-        self.put("illuminate", model, values)?;
+        self.choose(illuminate.function(), illuminate.values())?;
         for light in &plan.lights {
             let color = |c: [f32; 3]| c.map(f64::from).to_vec();
             match *light {
@@ -307,58 +228,6 @@ impl Functions {
             }
         }
         Ok(())
-    }
-
-    fn composite(&mut self, plan: &Plan) -> Result<(), Error> {
-        let (name, values) = match plan.technique().composite {
-            Composite::EmissionAbsorption {
-                stop_at_transmittance,
-            } => (
-                "front_to_back",
-                vec![("stop_at_transmittance", one(stop_at_transmittance))],
-            ),
-            Composite::BackToFront => ("back_to_front", vec![]),
-            Composite::Mip => ("maximum", vec![]),
-            Composite::MinIp => ("minimum", vec![]),
-            Composite::Average => ("average", vec![]),
-            Composite::Gmip { white_per_mm } => (
-                "gradient_maximum",
-                vec![("white_per_mm", one(white_per_mm))],
-            ),
-            Composite::Mida {
-                low,
-                high,
-                blend,
-                stop_at_transmittance,
-            } => (
-                "mida",
-                vec![
-                    ("low", one(low)),
-                    ("high", one(high)),
-                    ("blend", one(blend)),
-                    ("stop_at_transmittance", one(stop_at_transmittance)),
-                ],
-            ),
-            Composite::FirstHit { threshold } => {
-                ("first_hit", vec![("threshold", vec![threshold])])
-            }
-            Composite::Debug(view) => match view {
-                DebugView::Entry => ("entry", vec![]),
-                DebugView::Exit => ("exit", vec![]),
-                DebugView::Normal => ("normal", vec![]),
-                DebugView::GradientRaw => ("normal_raw", vec![]),
-                DebugView::GradientMagnitude { white_per_mm } => (
-                    "gradient_magnitude",
-                    vec![("white_per_mm", one(white_per_mm))],
-                ),
-                DebugView::SampleCount { white } => ("sample_count", vec![("white", one(white))]),
-                DebugView::Depth { near_mm, far_mm } => (
-                    "hit_depth",
-                    vec![("near_mm", one(near_mm)), ("far_mm", one(far_mm))],
-                ),
-            },
-        };
-        self.put("composite", name, values)
     }
 
     /// The user's own functions: each takes the place of what stands in its slot; where several

@@ -1,6 +1,6 @@
 //! How the samples of a ray become a pixel: from what a scene says to the Plan's [`Composite`].
 
-use crate::plan::{Composite, DebugView as PlanDebugView};
+use crate::plan::Composite;
 use crate::problem::{Checker, Within};
 use crate::transfer_function::SettledWindow;
 use crate::window::{automatic_threshold, steep_per_mm, value_range};
@@ -32,7 +32,7 @@ impl SettledComposite {
         [header, framed]: [&VolumeHeader; 2],
         checker: &mut Checker,
     ) -> SettledComposite {
-        if scene.blend.is_some() && method != Method::Mida {
+        if scene.blend.is_some() && !method.has("blend") {
             checker.add(
                 "blend",
                 format!("given for method {:?}", method.name()),
@@ -47,9 +47,9 @@ impl SettledComposite {
                 .threshold
                 .or(preset.threshold)
                 .unwrap_or_else(|| automatic_threshold(header)),
-            blend: match method {
-                Method::Mida => scene.blend.unwrap_or(0.0),
-                _ => 0.0,
+            blend: match method.has("blend") {
+                true => scene.blend.unwrap_or(0.0),
+                false => 0.0,
             },
             grey_range: scene
                 .grey_range
@@ -63,10 +63,10 @@ impl SettledComposite {
         let method = self.method;
         scene.method = Some(method);
         scene.debug = self.debug;
-        if method == Method::FirstHit {
+        if method.has("threshold") {
             scene.threshold.get_or_insert(self.threshold);
         }
-        if method == Method::Mida {
+        if method.has("blend") {
             scene.blend.get_or_insert(self.blend);
         }
         let shows_grey = match self.debug {
@@ -79,7 +79,7 @@ impl SettledComposite {
         if shows_grey {
             scene.grey_range.get_or_insert(self.grey_range);
         }
-        if matches!(method, Method::EmissionAbsorption | Method::Mida) {
+        if method.has("stop_at_transmittance") {
             scene
                 .early_termination
                 .get_or_insert(self.early_termination);
@@ -97,47 +97,30 @@ impl SettledComposite {
         let [black, white] = self.grey_range;
         // Where only white is said, black is 0.
         let span = (white - black).abs().max(1e-30) as f32;
-        if let Some(view) = self.debug {
-            return Composite::Debug(match view {
-                DebugView::Entry => PlanDebugView::Entry,
-                DebugView::Exit => PlanDebugView::Exit,
-                DebugView::Normal => PlanDebugView::Normal,
-                DebugView::GradientRaw => PlanDebugView::GradientRaw,
-                DebugView::GradientMagnitude => {
-                    PlanDebugView::GradientMagnitude { white_per_mm: span }
-                }
-                DebugView::SampleCount => PlanDebugView::SampleCount { white: span },
-                DebugView::Depth => PlanDebugView::Depth {
-                    near_mm: black as f32,
-                    far_mm: white as f32,
-                },
-            });
-        }
-        let stop_at_transmittance = self.early_termination as f32;
-        match self.method {
-            Method::EmissionAbsorption => Composite::EmissionAbsorption {
-                stop_at_transmittance,
-            },
-            Method::Mip => Composite::Mip,
-            Method::Minip => Composite::MinIp,
-            Method::Average => Composite::Average,
-            Method::Gmip => Composite::Gmip { white_per_mm: span },
-            Method::Mida => {
-                // What counts as 0 and as 1 when maxima are looked for: the window, or all values.
-                let [low, high] = match window {
-                    Some(window) if window.width > 0.0 => window.ends().map(|end| end as f32),
-                    _ => value_range(header),
-                };
-                Composite::Mida {
-                    low,
-                    high,
-                    blend: self.blend as f32,
-                    stop_at_transmittance,
-                }
-            }
-            Method::FirstHit => Composite::FirstHit {
-                threshold: self.threshold,
-            },
+        // What counts as 0 and as 1 when maxima are looked for: the window, or all values.
+        let [low, high] = match window {
+            Some(window) if window.width > 0.0 => window.ends(),
+            _ => value_range(header).map(f64::from),
+        };
+        let function = match self.debug {
+            Some(view) => view.function(),
+            None => self.method.function(),
+        };
+        // Keys of the scene, by the names of the parameters that they are.
+        let value = |parameter: &str| match parameter {
+            "stop_at_transmittance" => self.early_termination,
+            "threshold" => self.threshold,
+            "blend" => self.blend,
+            "low" => low,
+            "high" => high,
+            "white" | "white_per_mm" => f64::from(span),
+            "near_mm" => black,
+            "far_mm" => white,
+            other => function.map_or(0.0, |function| function.default_of(other)),
+        };
+        match self.debug {
+            Some(view) => Composite::Debug(view.plan(value)),
+            None => self.method.plan(value),
         }
     }
 

@@ -1,8 +1,9 @@
 //! Shader functions that a scene names: those of the library by their names, a user's own by file.
 
+use crate::ShadingModel;
 use crate::nearest::nearest;
 use crate::plan::{
-    Classify, Composite, DebugView, Fetch, GradientInput, GradientMethod, Illuminate, Jitter, Plan,
+    Classify, Composite, Fetch, GradientInput, GradientMethod, Illuminate, Jitter, Plan,
     PlanModule, Reconstruct, Shade,
 };
 use crate::problem::{Checker, Number};
@@ -10,7 +11,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use strahl_shader::{Module, SLOTS, built_in};
+use strahl_shader::registry::Function;
+use strahl_shader::{Module, Parameter, SLOTS};
 
 /// A shader function, and values for its parameters.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -71,30 +73,17 @@ pub(crate) fn apply(
             );
             continue;
         }
-        let module = if function.is_file() {
-            match files.get(&function.module) {
-                Some(module) => module.clone(),
-                None => {
-                    checker.add(
-                        format!("{path}.module"),
-                        format!("{:?}, which is not loaded", function.module),
-                        "a file that is handed over with the scene",
-                    );
-                    continue;
-                }
-            }
-        } else {
-            match built_in(slot, &function.module) {
-                Ok(module) => module,
-                Err(error) => {
-                    checker.add(
-                        format!("{path}.module"),
-                        format!("{:?}", function.module),
-                        &error.to_string(),
-                    );
-                    continue;
-                }
-            }
+        if !function.is_file() {
+            of_library(&path, slot, function, plan, checker);
+            continue;
+        }
+        let Some(module) = files.get(&function.module) else {
+            checker.add(
+                format!("{path}.module"),
+                format!("{:?}, which is not loaded", function.module),
+                "a file that is handed over with the scene",
+            );
+            continue;
         };
         if module.slot().name != slot {
             checker.add(
@@ -108,41 +97,54 @@ pub(crate) fn apply(
             );
             continue;
         }
-        let before = checker.problems.len();
-        let values = values(&path, function, &module, checker);
-        if checker.problems.len() > before {
-            continue;
-        }
-        if function.is_file() {
-            plan.modules.push(PlanModule { module, values });
-        } else if let Err(why) =
-            (0..plan.layers.len()).try_for_each(|layer| settle(&module, &values, plan, layer))
-        {
-            checker.add(
-                format!("{path}.module"),
-                format!("{:?}", function.module),
-                why,
-            );
+        if let Some(values) = values(&path, function, module.parameters(), checker) {
+            plan.modules.push(PlanModule {
+                module: module.clone(),
+                values,
+            });
         }
     }
 }
 
-/// The values of parameters, checked against what the module says of them.
+/// Says a function of the library in the words of the plan.
+fn of_library(
+    path: &str,
+    slot: &str,
+    wanted: &FunctionUse,
+    plan: &mut Plan,
+    checker: &mut Checker,
+) {
+    let mut wrong = |why: &str| {
+        let name = format!("{:?}", wanted.module);
+        checker.add(format!("{path}.module"), name, why);
+    };
+    let function = match Function::named(slot, &wanted.module) {
+        Ok(function) => function,
+        Err(error) => return wrong(&error.to_string()),
+    };
+    let Some(values) = values(path, wanted, function.parameters, checker) else {
+        return;
+    };
+    let mut layers = 0..plan.layers.len();
+    if let Err(why) = layers.try_for_each(|layer| settle(function, &values, plan, layer)) {
+        let name = format!("{:?}", wanted.module);
+        checker.add(format!("{path}.module"), name, &why);
+    }
+}
+
+/// The values of parameters, checked against what is said of them; `None` if one is wrong.
 fn values(
     path: &str,
     function: &FunctionUse,
-    module: &Module,
+    parameters: &[Parameter],
     checker: &mut Checker,
-) -> Vec<(String, Vec<f64>)> {
+) -> Option<Vec<(String, Vec<f64>)>> {
+    let before = checker.problems.len();
     let mut values = Vec::new();
     for (name, value) in &function.params {
         let path = format!("{path}.params.{name}");
-        let Some(parameter) = module.parameters().iter().find(|p| p.name == *name) else {
-            let names: Vec<_> = module
-                .parameters()
-                .iter()
-                .map(|p| p.name.as_str())
-                .collect();
+        let Some(parameter) = parameters.iter().find(|p| p.name == *name) else {
+            let names: Vec<_> = parameters.iter().map(|p| &*p.name).collect();
             let allowed = match nearest(name, names.iter().copied()) {
                 _ if names.is_empty() => "nothing: the function has no parameters".to_owned(),
                 Some(near) => format!("{}; did you mean {near:?}?", names.join(", ")),
@@ -161,16 +163,16 @@ fn values(
             }
         }
     }
-    values
+    (checker.problems.len() == before).then_some(values)
 }
 
-/// Says a function of the library in the words of layer number `layer` of the plan.
+/// The same of one layer.
 fn settle(
-    module: &Module,
+    function: &Function,
     values: &[(String, Vec<f64>)],
     plan: &mut Plan,
     layer: usize,
-) -> Result<(), &'static str> {
+) -> Result<(), String> {
     let Plan {
         fields,
         techniques,
@@ -181,224 +183,95 @@ fn settle(
     } = plan;
     let field = &mut fields[layers[layer].field];
     let technique = &mut techniques[layers[layer].technique];
-    let number = |name: &str| -> f32 {
-        let given = values
-            .iter()
-            .find(|(given, _)| given == name)
-            .map(|(_, v)| v[0]);
-        let default = || {
-            module
-                .parameters()
-                .iter()
-                .find(|p| p.name == name)
-                .map(|p| p.default[0])
-        };
-        given.or_else(default).unwrap_or_default() as f32
+    let value = |name: &str| {
+        let given = values.iter().find(|(given, _)| given == name);
+        given.map_or_else(|| function.default_of(name), |(_, numbers)| numbers[0])
     };
-    let unequal = |a: f32, b: f32| {
-        (a != b)
-            .then_some(())
-            .ok_or("parameters whose two ends differ")
-    };
-    match (module.slot().name, module.name()) {
-        ("fetch", "texture") => field.fetch = Fetch::Stored,
-        ("fetch", "marschner_lobb") => {
-            field.fetch = Fetch::MarschnerLobb {
-                frequency: number("frequency"),
-                alpha: number("alpha"),
-            };
+    for parameter in function.parameters {
+        parameter.check_beside(value(&parameter.name), value)?;
+    }
+    let name = function.is_way_of.unwrap_or(function.name);
+    let lit = || format!("a scene that is lit: shading.model {}", ShadingModel::lit());
+    let settled = match function.slot {
+        "fetch" => Fetch::of(name, value).map(|fetch| field.fetch = fetch),
+        "reconstruct" => Reconstruct::of(name, value).map(|way| field.reconstruct = way),
+        "classify" => Classify::of(name, value).map(|classify| technique.classify = classify),
+        "gradient_input" => {
+            GradientInput::of(name, value).map(|input| technique.gradient_input = input)
         }
-        ("fetch", "noise") => {
-            field.fetch = Fetch::Noise {
-                cell_voxels: number("cell_voxels"),
-                octaves: number("octaves") as u32,
-                seed: number("seed") as u32,
-            };
-        }
-        ("reconstruct", "nearest") => field.reconstruct = Reconstruct::Nearest,
-        ("reconstruct", "trilinear" | "trilinear_sampler") => {
-            field.reconstruct = Reconstruct::Trilinear
-        }
-        ("reconstruct", "b_spline" | "b_spline_sampler") => {
-            field.reconstruct = Reconstruct::BSpline
-        }
-        ("reconstruct", "catmull_rom") => field.reconstruct = Reconstruct::CatmullRom,
-        ("jitter", "hash") => lattice.jitter = Jitter::Hash(number("seed") as u32),
-        ("jitter", "sine_hash") => lattice.jitter = Jitter::SineHash,
-        ("jitter", "tile") => lattice.jitter = Jitter::BlueTile(0),
-        ("classify", "table") => technique.classify = Classify::Table,
-        ("classify", "identity") => {
-            let (black, white) = (number("black"), number("white"));
-            unequal(black, white)?;
-            technique.classify = Classify::Identity { black, white };
-        }
-        ("classify", "threshold") => {
-            let (black, white) = (number("black"), number("white"));
-            unequal(black, white)?;
-            technique.classify = Classify::Threshold {
-                threshold: number("threshold"),
-                black,
-                white,
-            };
-        }
-        ("classify", "gradient_table") => {
-            let (low_per_mm, high_per_mm) = (number("low_per_mm"), number("high_per_mm"));
-            (low_per_mm < high_per_mm)
-                .then_some(())
-                .ok_or("low_per_mm below high_per_mm")?;
-            technique.classify = Classify::GradientTable {
-                low_per_mm,
-                high_per_mm,
-            };
-        }
-        ("classify", "pre_classified") => technique.classify = Classify::PreClassified,
-        ("gradient_input", "value") => technique.gradient_input = GradientInput::Value,
-        ("gradient_input", "opacity") => technique.gradient_input = GradientInput::Opacity,
-        ("gradient", name) => {
-            field.gradient = match name {
-                "forward" => GradientMethod::Forward,
-                "backward" => GradientMethod::Backward,
-                "central" => GradientMethod::Central,
-                "central_9" => GradientMethod::Central9,
-                "sobel" => GradientMethod::Sobel,
-                "b_spline" => GradientMethod::BSpline,
-                _ => return Err(BY_KEY),
-            };
-        }
-        ("illuminate", name) => {
-            let (diffuse, specular) = (number("diffuse"), number("specular"));
-            let shininess = number("shininess");
-            let chosen = match name {
-                "lambert" => Illuminate::Lambert { diffuse },
-                "phong" => Illuminate::Phong {
-                    diffuse,
-                    specular,
-                    shininess,
-                },
-                "blinn_phong" => Illuminate::BlinnPhong {
-                    diffuse,
-                    specular,
-                    shininess,
-                },
-                "cook_torrance" => Illuminate::CookTorrance {
-                    diffuse,
-                    roughness: number("roughness"),
-                    reflectance: number("reflectance"),
-                },
-                _ => return Err(BY_KEY),
-            };
-            match &mut technique.shade {
-                Shade::Lit { illuminate, .. } => *illuminate = chosen,
-                _ => {
-                    return Err(
-                        "a scene that is lit: shading.model lambert, phong, blinn-phong or cook-torrance",
-                    );
-                }
+        "gradient" => GradientMethod::of(name, value).map(|method| field.gradient = method),
+        "composite" => Composite::of(name, value).map(|composite| technique.composite = composite),
+        "illuminate" => match &mut technique.shade {
+            Shade::Lit { illuminate, .. } => {
+                Illuminate::of(name, value).map(|model| *illuminate = model)
             }
-        }
-        ("shade", name @ ("lit" | "lit_last_normal")) => match &mut technique.shade {
+            _ => return Err(lit()),
+        },
+        "shade" if ["lit", "lit_last_normal"].contains(&name) => match &mut technique.shade {
             Shade::Lit {
                 ambient,
                 keep_last_normal,
                 ..
             } => {
-                *ambient = number("ambient");
+                *ambient = value("ambient") as f32;
                 *keep_last_normal = name == "lit_last_normal";
+                Some(())
             }
-            _ => {
-                return Err(
-                    "a scene that is lit: shading.model lambert, phong, blinn-phong or cook-torrance",
-                );
-            }
+            _ => return Err(lit()),
         },
-        ("shade", "gradient_opacity") => {
-            technique.shade = Shade::GradientOpacity {
-                full_per_mm: number("full_per_mm"),
-            };
+        "shade" => {
             lights.clear();
+            Shade::of(name, value).map(|shade| technique.shade = shade)
         }
-        ("composite", "front_to_back") => {
-            technique.composite = Composite::EmissionAbsorption {
-                stop_at_transmittance: number("stop_at_transmittance"),
+        "jitter" => {
+            lattice.jitter = match name {
+                "sine_hash" => Jitter::SineHash,
+                "tile" => Jitter::BlueTile(0),
+                _ => Jitter::Hash(value("seed") as u32),
             };
+            Some(())
         }
-        ("composite", "back_to_front") => technique.composite = Composite::BackToFront,
-        ("composite", "maximum") => technique.composite = Composite::Mip,
-        ("composite", "minimum") => technique.composite = Composite::MinIp,
-        ("composite", "average") => technique.composite = Composite::Average,
-        ("composite", "gradient_maximum") => {
-            technique.composite = Composite::Gmip {
-                white_per_mm: number("white_per_mm"),
-            };
-        }
-        ("composite", "mida") => {
-            let (low, high) = (number("low"), number("high"));
-            unequal(low, high)?;
-            technique.composite = Composite::Mida {
-                low,
-                high,
-                blend: number("blend"),
-                stop_at_transmittance: number("stop_at_transmittance"),
-            };
-        }
-        ("composite", "first_hit") => {
-            technique.composite = Composite::FirstHit {
-                threshold: f64::from(number("threshold")),
-            };
-        }
-        ("composite", name) => {
-            let view = match name {
-                "entry" => DebugView::Entry,
-                "exit" => DebugView::Exit,
-                "normal" => DebugView::Normal,
-                "normal_raw" => DebugView::GradientRaw,
-                "gradient_magnitude" => DebugView::GradientMagnitude {
-                    white_per_mm: number("white_per_mm"),
-                },
-                "sample_count" => DebugView::SampleCount {
-                    white: number("white"),
-                },
-                "hit_depth" => {
-                    let (near_mm, far_mm) = (number("near_mm"), number("far_mm"));
-                    unequal(near_mm, far_mm)?;
-                    DebugView::Depth { near_mm, far_mm }
-                }
-                _ => return Err(BY_KEY),
-            };
-            technique.composite = Composite::Debug(view);
-        }
-        _ => return Err(BY_KEY),
-    }
-    Ok(())
-}
-
-const BY_KEY: &str = "what the scene's own keys say: clips, lights";
-
-/// The functions of the library that a scene can name, for a test that none is forgotten.
-#[cfg(test)]
-fn nameable() -> impl Iterator<Item = &'static Arc<Module>> {
-    strahl_shader::library()
-        .iter()
-        .filter(|m| !["clip_ray", "clip_sample", "light"].contains(&m.slot().name))
+        _ => None,
+    };
+    settled.ok_or_else(|| "what the scene's own keys say: clips, lights".to_owned())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::{Scene, resolve};
+    use strahl_shader::registry::FUNCTIONS;
     use strahl_volume::Phantom;
 
-    #[test]
-    fn every_function_of_the_library_can_be_named() {
+    fn resolved(slot: &str, name: &str) -> Plan {
         let header = Phantom::Tree.volume([8; 3]).unwrap().header();
-        for module in nameable() {
-            let (slot, name) = (module.slot().name, module.name());
-            let text =
-                format!("{{ \"functions\": {{ \"{slot}\": {{ \"module\": \"{name}\" }} }} }}");
-            let scene = Scene::parse("scene", &text).unwrap();
-            if let Err(problems) = resolve(&scene, &header, None) {
-                panic!("{slot}/{name}: {problems}");
+        let text = format!(r#"{{ "functions": {{ "{slot}": {{ "module": "{name}" }} }} }}"#);
+        let scene = Scene::parse("scene", &text).unwrap();
+        resolve(&scene, &header, None).unwrap_or_else(|why| panic!("{slot}/{name}: {why}"))
+    }
+
+    #[test]
+    fn every_function_of_the_library_can_be_named_by_every_name_that_it_has_or_had() {
+        let by_keys = ["clip_ray", "clip_sample", "light"];
+        for function in FUNCTIONS.iter().filter(|f| !by_keys.contains(&f.slot)) {
+            let plan = format!("{:?}", resolved(function.slot, function.name));
+            for name in function.was.iter().chain([&function.word]) {
+                let other = format!("{:?}", resolved(function.slot, name));
+                assert!(plan == other, "{}/{name}", function.slot);
             }
         }
+    }
+
+    #[test]
+    fn the_named_function_is_in_the_plan() {
+        let plan = resolved("composite", "maximum");
+        assert_eq!(plan.technique().composite, Composite::Mip);
+        assert_eq!(
+            resolved("reconstruct", "b_spline_sampler")
+                .field()
+                .reconstruct,
+            Reconstruct::BSpline
+        );
+        assert_eq!(resolved("fetch", "texture").field().fetch, Fetch::Stored);
     }
 }

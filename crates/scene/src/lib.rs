@@ -30,7 +30,6 @@ mod graph_text;
 mod headers;
 mod image;
 mod light;
-mod method;
 mod nearest;
 mod noise_tile;
 mod object;
@@ -48,6 +47,7 @@ mod step;
 mod transfer_function;
 mod volume_source;
 mod window;
+mod words;
 
 pub use camera::{Camera, Projection, View};
 pub use clip::{BoxClip, BoxSpace, Clip, Keep, LabelName, MaskClip, PlaneClip};
@@ -58,7 +58,6 @@ pub use graph_text::GraphText;
 pub use headers::Headers;
 pub use image::Image;
 pub use light::{Light, LightKind, LightSpace};
-pub use method::Method;
 pub use noise_tile::NoiseTile;
 pub use object::{Placement, SceneObject};
 pub use parse::{Error, MOST_SCENE_BYTES, schema};
@@ -67,10 +66,10 @@ pub use problem::{Problem, Problems};
 pub use resolve::{resolve, resolve_with};
 pub use sampling::{Sampling, SamplingRule};
 pub use scene::{
-    Compositing, DebugView, Display, Gradient, GradientInput, GradientMethod, Jitter, LabelSource,
-    Quality, Reconstruct, Scene, Shading, ShadingModel, ToneMap,
+    Compositing, Display, Gradient, Jitter, LabelSource, Quality, Scene, Shading, ToneMap,
 };
 pub use settled::{FORMAT, settled, settled_with};
 pub use step::MAX_SAMPLES_PER_RAY;
 pub use transfer_function::{PointsIn, TransferFunction, TransferPoint};
 pub use volume_source::{Endian, VolumeSource};
+pub use words::{DebugView, GradientInput, GradientMethod, Method, Reconstruct, ShadingModel};

@@ -8,6 +8,11 @@ use crate::transfer::TransferTable;
 use glam::{DAffine3, DVec3};
 use std::sync::Arc;
 use strahl_shader::Module;
+pub use strahl_shader::for_each_function;
+pub use strahl_shader::registry::{
+    Classify, Composite, DebugView, Fetch, GradientInput, GradientMethod, Illuminate, Reconstruct,
+    Shade,
+};
 use strahl_volume::{Grid, Rescale};
 
 /// Everything a renderer needs beside the data (voxels, masks, triangles), which is handed to it as
@@ -291,7 +296,7 @@ pub enum Jitter {
 }
 
 /// Which points of a ray are looked at (`docs/plan.md` says exactly which). All but `Regular` come with
-/// [`Composite::EmissionAbsorption`] and one object only; `Refine` with [`Composite::Mip`] and [`Composite::MinIp`], too.
+/// [`Composite::EmissionAbsorption`] and one object only; `Refine` with [`Composite::Mip`] and [`Composite::Minip`], too.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Sampling {
     /// One sample at every lattice point.
@@ -371,165 +376,6 @@ pub enum Curve {
     Cubic,
 }
 
-/// What a voxel holds.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Fetch {
-    /// What is stored.
-    Stored,
-    /// The test signal of S. Marschner and R. Lobb (1994) over the grid's extent, whatever is stored.
-    MarschnerLobb {
-        /// f_M.
-        frequency: f32,
-        /// α.
-        alpha: f32,
-    },
-    /// Value noise over lattices of voxels, whatever is stored; 0 to 1.
-    Noise {
-        /// Voxels from one random number to the next, of the coarsest octave.
-        cell_voxels: f32,
-        /// Octaves, 1 to 8, each of half the size and half the strength.
-        octaves: u32,
-        /// Other seeds give other noise.
-        seed: u32,
-    },
-}
-
-/// How a value between voxels is found.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Reconstruct {
-    /// The nearest voxel.
-    Nearest,
-    /// Linear in x, y, z over the eight voxels around; clamped at the border.
-    Trilinear,
-    /// Cubic B-spline over the stored numbers: smooth, and softer than the data.
-    BSpline,
-    /// Cubic B-spline over prefiltered coefficients, so that it goes through the voxels' values.
-    BSplineInterpolating,
-    /// Catmull–Rom spline: goes through the voxels' values, and overshoots.
-    CatmullRom,
-}
-
-/// Value → colour and opacity.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Classify {
-    /// The technique's transfer function.
-    Table,
-    /// The value itself as grey and opacity.
-    Identity {
-        /// The value that is black and transparent.
-        black: f32,
-        /// The value that is white and opaque; not `black`.
-        white: f32,
-    },
-    /// As `Identity` above a threshold, nothing up to it.
-    Threshold {
-        /// Values up to this are transparent.
-        threshold: f32,
-        /// The value that is black.
-        black: f32,
-        /// The value that is white; not `black`.
-        white: f32,
-    },
-    /// The technique's transfer function, its opacity times a ramp over the gradient magnitude: a
-    /// two-dimensional transfer function as a product.
-    GradientTable {
-        /// Where the ramp is 0.
-        low_per_mm: f32,
-        /// Where the ramp is 1; > `low_per_mm`.
-        high_per_mm: f32,
-    },
-    /// The eight voxels around are classified and the premultiplied colours interpolated: what
-    /// programs did that classify first, for comparison.
-    PreClassified,
-}
-
-/// An estimate of the gradient (in world space, per mm): differences of the input along the voxel axes, turned into world
-/// space by the inverse transpose of `world_from_voxel`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum GradientMethod {
-    /// f(p + 1) − f(p).
-    Forward,
-    /// f(p) − f(p − 1).
-    Backward,
-    /// (f(p + 1) − f(p − 1)) / 2.
-    Central,
-    /// The mean of central differences at p and at the eight corners half a voxel around.
-    Central9,
-    /// Sobel's 3 × 3 × 3 masks, scaled so that a ramp gives its slope.
-    Sobel,
-    /// The derivative of the cubic B-spline over the input at voxel centres.
-    BSpline,
-}
-
-/// What the gradient is taken of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum GradientInput {
-    /// The value.
-    Value,
-    /// The opacity that the transfer function gives it.
-    Opacity,
-}
-
-/// How a sample's colour is made.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Shade {
-    /// The classified colour.
-    Unlit,
-    /// Ambient light and all lights, with the gradient as normal, turned towards the eye (two-sided).
-    Lit {
-        /// Share of the surface colour that is always there, ≥ 0.
-        ambient: f32,
-        /// What a surface does with one light.
-        illuminate: Illuminate,
-        /// Where the gradient is zero: the last normal of the ray; else, or if there is none yet,
-        /// unlit.
-        keep_last_normal: bool,
-    },
-    /// Unlit, the opacity times min(gradient magnitude / `full_per_mm`, 1).
-    GradientOpacity {
-        /// The gradient magnitude that leaves the opacity as it is, > 0.
-        full_per_mm: f32,
-    },
-}
-
-/// What a surface does with one light. Diffuse parts are multiplied by the surface colour, highlights
-/// are white; nothing where the light comes from behind.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Illuminate {
-    /// diffuse · N·L.
-    Lambert {
-        /// ≥ 0.
-        diffuse: f32,
-    },
-    /// Lambert, and specular · (R·V)^shininess with the mirrored light R.
-    Phong {
-        /// ≥ 0.
-        diffuse: f32,
-        /// ≥ 0.
-        specular: f32,
-        /// > 0.
-        shininess: f32,
-    },
-    /// Lambert, and specular · (N·H)^shininess.
-    BlinnPhong {
-        /// Share that follows N·L, ≥ 0.
-        diffuse: f32,
-        /// Strength of the highlight, ≥ 0.
-        specular: f32,
-        /// Exponent of N·H, > 0.
-        shininess: f32,
-    },
-    /// Lambert, and rough mirror facets: `library/illuminate/cook_torrance.wgsl` has the formula.
-    CookTorrance {
-        /// ≥ 0.
-        diffuse: f32,
-        /// 0.05 to 1.
-        roughness: f32,
-        /// Share of the light that is mirrored head on, 0 to 1.
-        reflectance: f32,
-    },
-}
-
 /// A light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PlanLight {
@@ -553,89 +399,6 @@ pub enum PlanLight {
     Head {
         /// Linear RGB, ≥ 0.
         radiance: [f32; 3],
-    },
-}
-
-/// How the samples of a ray become a pixel (before the background).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Composite {
-    /// Front to back, C += (1−A)·a'·c, A += (1−A)·a', with a' = 1 − (1−a)^(step/reference).
-    EmissionAbsorption {
-        /// The ray ends when 1 − A falls below this; 0 never ends it early.
-        stop_at_transmittance: f32,
-    },
-    /// The same sum from the back, C = (1−a')·C + a'·c; it visits every sample.
-    BackToFront,
-    /// The largest value of the ray, classified once. No opacity correction.
-    Mip,
-    /// The smallest value of the ray, classified once.
-    MinIp,
-    /// The mean of the values of the ray, classified once.
-    Average,
-    /// The largest gradient magnitude of the ray as grey.
-    Gmip {
-        /// The magnitude that is white, > 0.
-        white_per_mm: f32,
-    },
-    /// Maximum intensity difference accumulation (S. Bruckner and E. Gröller 2009).
-    Mida {
-        /// The value that counts as 0.
-        low: f32,
-        /// The value that counts as 1; not `low`.
-        high: f32,
-        /// −1 is emission–absorption, 0 the method itself.
-        blend: f32,
-        /// The ray ends when 1 − A is below this and no larger value can come.
-        stop_at_transmittance: f32,
-    },
-    /// The first sample whose value reaches `threshold`, moved back to where it is reached between it
-    /// and the sample before; shaded, opaque. `docs/plan.md` has the refinement.
-    FirstHit {
-        /// In values.
-        threshold: f64,
-    },
-    /// Not a picture of the data but of how it is made.
-    Debug(DebugView),
-}
-
-impl Composite {
-    /// Whether several layers can be drawn by it: it adds up looks of samples, not values.
-    pub fn mixes_layers(self) -> bool {
-        matches!(
-            self,
-            Composite::EmissionAbsorption { .. } | Composite::BackToFront
-        )
-    }
-}
-
-/// What a debug view shows, opaque. "The first sample" is the first that the transfer function does
-/// not make transparent.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum DebugView {
-    /// Where the ray enters: the position in the volume, 0 to 1 along each axis, as colour.
-    Entry,
-    /// Where the ray leaves.
-    Exit,
-    /// The normal at the first sample, (n + 1)/2.
-    Normal,
-    /// The gradient there as it is, (g·mm + 1)/2.
-    GradientRaw,
-    /// Its magnitude as grey.
-    GradientMagnitude {
-        /// The magnitude that is white, > 0.
-        white_per_mm: f32,
-    },
-    /// How many samples the ray takes, as grey.
-    SampleCount {
-        /// The number that is white, > 0.
-        white: f32,
-    },
-    /// How far away the first sample is, as grey.
-    Depth {
-        /// The distance that is black, mm.
-        near_mm: f32,
-        /// The distance that is white, mm; not `near_mm`.
-        far_mm: f32,
     },
 }
 

@@ -97,9 +97,7 @@ impl PresetInfo {
             Some(Method::Minip) => "minip",
             Some(Method::Average) => "x-ray",
             Some(Method::Gmip) => "grey",
-            Some(Method::EmissionAbsorption | Method::Mida | Method::FirstHit) | None => {
-                by_volume(header)
-            }
+            _ => by_volume(header),
         };
         PresetInfo::find(name).unwrap_or(&PRESETS[0])
     }

@@ -4,17 +4,16 @@ use crate::clip::{ClipPlaces, PlanClips};
 use crate::places::check_labels;
 use crate::plan::{
     Classify, Compositing as PlanCompositing, Fetch, Field, GradientInput as PlanGradientInput,
-    GradientMethod as PlanGradientMethod, Jitter as PlanJitter, Lattice, MOST_EDGE_PIXELS,
-    MOST_FRAMES, MOST_LAYERS, Plan, PlanCamera, PlanLight, PlanMesh,
-    Reconstruct as PlanReconstruct, Shade, Technique,
+    Jitter as PlanJitter, Lattice, MOST_EDGE_PIXELS, MOST_FRAMES, MOST_LAYERS, Plan, PlanCamera,
+    PlanLight, PlanMesh, Shade, Technique,
 };
 use crate::problem::Checker;
 use crate::settled::{FORMAT, Settled, SettledVolume};
 use crate::transfer::TransferTable;
 use crate::window::value_range;
 use crate::{
-    Background, Camera, Compositing, GradientInput, GradientMethod, Headers, Jitter, PresetInfo,
-    Problem, Problems, Reconstruct, Scene, function, object, presets, sampling,
+    Background, Camera, Compositing, Headers, Jitter, PresetInfo, Problem, Problems, Scene,
+    function, object, presets, sampling,
 };
 use strahl_volume::{Grid, VolumeHeader};
 
@@ -135,7 +134,7 @@ fn plan(settled: &Settled, headers: &Headers, checker: &mut Checker) -> Option<P
     } else {
         Classify::Table
     };
-    let gradient_input = plan_gradient_input(settled.gradient.of);
+    let gradient_input = settled.gradient.of.into();
     for (volume, table) in settled.volumes.iter().zip(tables?) {
         let technique = Technique {
             classify,
@@ -190,34 +189,6 @@ fn plan_lattice(settled: &Settled, checker: &mut Checker) -> Lattice {
     }
 }
 
-fn plan_reconstruct(reconstruct: Reconstruct) -> PlanReconstruct {
-    match reconstruct {
-        Reconstruct::Nearest => PlanReconstruct::Nearest,
-        Reconstruct::Trilinear => PlanReconstruct::Trilinear,
-        Reconstruct::BSpline => PlanReconstruct::BSpline,
-        Reconstruct::BSplineInterpolating => PlanReconstruct::BSplineInterpolating,
-        Reconstruct::CatmullRom => PlanReconstruct::CatmullRom,
-    }
-}
-
-fn plan_gradient_method(method: GradientMethod) -> PlanGradientMethod {
-    match method {
-        GradientMethod::Forward => PlanGradientMethod::Forward,
-        GradientMethod::Backward => PlanGradientMethod::Backward,
-        GradientMethod::Central => PlanGradientMethod::Central,
-        GradientMethod::Central9 => PlanGradientMethod::Central9,
-        GradientMethod::Sobel => PlanGradientMethod::Sobel,
-        GradientMethod::BSpline => PlanGradientMethod::BSpline,
-    }
-}
-
-fn plan_gradient_input(input: GradientInput) -> PlanGradientInput {
-    match input {
-        GradientInput::Value => PlanGradientInput::Value,
-        GradientInput::Opacity => PlanGradientInput::Opacity,
-    }
-}
-
 /// What a volume that is drawn is as a field.
 fn plan_field(settled: &Settled, volume: &SettledVolume, headers: &Headers) -> Field {
     let place = &volume.place;
@@ -228,8 +199,8 @@ fn plan_field(settled: &Settled, volume: &SettledVolume, headers: &Headers) -> F
         is_moved: place.grid != stored.grid,
         rescale: stored.rescale,
         fetch: Fetch::Stored,
-        reconstruct: plan_reconstruct(settled.reconstruct),
-        gradient: plan_gradient_method(settled.gradient.method),
+        reconstruct: settled.reconstruct.into(),
+        gradient: settled.gradient.method.into(),
     }
 }
 

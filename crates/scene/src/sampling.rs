@@ -212,7 +212,7 @@ pub(crate) fn check_together(plan: &plan::Plan, checker: &mut Checker) {
     };
     let projects = matches!(
         plan.technique().composite,
-        Composite::Mip | Composite::MinIp
+        Composite::Mip | Composite::Minip
     );
     let refines = matches!(plan.sampling, Sampling::Refine { .. });
     let adds = matches!(

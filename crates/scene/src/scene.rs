@@ -3,8 +3,9 @@
 use crate::plan;
 use crate::problem::{Checker, Number, Within};
 use crate::{
-    Background, Camera, Clip, FunctionUse, GraphText, Light, Method, Placement, Sampling,
-    SceneObject, TransferFunction, VolumeSource,
+    Background, Camera, Clip, DebugView, FunctionUse, GradientInput, GradientMethod, GraphText,
+    Light, Method, Placement, Reconstruct, Sampling, SceneObject, ShadingModel, TransferFunction,
+    VolumeSource,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -121,45 +122,6 @@ pub struct LabelSource {
     pub path: String,
 }
 
-/// How a picture is made, as a picture. "The first sample" is the first that is not transparent.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum DebugView {
-    /// Where rays enter, as colour.
-    Entry,
-    /// Where rays leave.
-    Exit,
-    /// The normal at the first sample.
-    Normal,
-    /// The gradient there, not normalised.
-    GradientRaw,
-    /// Its magnitude.
-    GradientMagnitude,
-    /// How many samples a ray takes.
-    SampleCount,
-    /// How far away the first sample is.
-    Depth,
-}
-
-impl DebugView {
-    /// Every view with the name used in scenes and on the command line.
-    pub const ALL: [(DebugView, &'static str); 7] = [
-        (DebugView::Entry, "entry"),
-        (DebugView::Exit, "exit"),
-        (DebugView::Normal, "normal"),
-        (DebugView::GradientRaw, "gradient-raw"),
-        (DebugView::GradientMagnitude, "gradient-magnitude"),
-        (DebugView::SampleCount, "sample-count"),
-        (DebugView::Depth, "depth"),
-    ];
-
-    /// The view of this name.
-    pub fn from_name(name: &str) -> Option<DebugView> {
-        let found = DebugView::ALL.into_iter().find(|(_, known)| *known == name);
-        found.map(|(view, _)| view)
-    }
-}
-
 /// From the cheapest to the best: the four settings that S0's measurements are made with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
@@ -196,35 +158,6 @@ pub struct Gradient {
     pub of: Option<GradientInput>,
 }
 
-/// An estimate of the gradient.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum GradientMethod {
-    /// The next voxel minus this one.
-    Forward,
-    /// This voxel minus the one before.
-    Backward,
-    /// Half the difference of both neighbours.
-    Central,
-    /// The mean of nine central differences.
-    #[serde(rename = "central-9")]
-    Central9,
-    /// Sobel's masks of 27 voxels.
-    Sobel,
-    /// The derivative of a cubic B-spline over 64 voxels.
-    BSpline,
-}
-
-/// What the gradient is taken of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum GradientInput {
-    /// The value.
-    Value,
-    /// The opacity that the transfer function gives it.
-    Opacity,
-}
-
 /// How light and surface make a colour.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
@@ -257,69 +190,6 @@ pub struct Shading {
     /// default chosen from the data.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub full_per_mm: Option<f64>,
-}
-
-/// A shading model.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum ShadingModel {
-    /// The colour of the transfer function as it is.
-    Unlit,
-    /// Ambient and diffuse light with the gradient as normal.
-    Lambert,
-    /// And a highlight around the mirrored light.
-    Phong,
-    /// And a highlight by the half vector.
-    BlinnPhong,
-    /// And rough mirror facets.
-    CookTorrance,
-    /// The colour as it is, the opacity by the gradient: borders stay, insides fade.
-    GradientOpacity,
-}
-
-impl ShadingModel {
-    /// Every model.
-    pub const ALL: [ShadingModel; 6] = [
-        ShadingModel::Unlit,
-        ShadingModel::Lambert,
-        ShadingModel::Phong,
-        ShadingModel::BlinnPhong,
-        ShadingModel::CookTorrance,
-        ShadingModel::GradientOpacity,
-    ];
-
-    /// The name used in scenes and on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            ShadingModel::Unlit => "unlit",
-            ShadingModel::Lambert => "lambert",
-            ShadingModel::Phong => "phong",
-            ShadingModel::BlinnPhong => "blinn-phong",
-            ShadingModel::CookTorrance => "cook-torrance",
-            ShadingModel::GradientOpacity => "gradient-opacity",
-        }
-    }
-
-    /// Whether light falls on surfaces.
-    pub fn is_lit(self) -> bool {
-        !matches!(self, ShadingModel::Unlit | ShadingModel::GradientOpacity)
-    }
-}
-
-/// How a value between voxels is found.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum Reconstruct {
-    /// The nearest voxel.
-    Nearest,
-    /// Linear between the eight voxels around.
-    Trilinear,
-    /// Cubic B-spline: smooth, and softer than the data.
-    BSpline,
-    /// Cubic B-spline that goes through the voxels' values.
-    BSplineInterpolating,
-    /// Catmull–Rom spline: sharper, and overshoots at steep edges.
-    CatmullRom,
 }
 
 /// Where in its step a sample lies.

@@ -1,6 +1,6 @@
 //! How light and surface make a colour: from what a scene says to the Plan's [`Shade`].
 
-use crate::plan::{Illuminate, Shade};
+use crate::plan::Shade;
 use crate::problem::{Checker, Within};
 use crate::window::steep_per_mm;
 use crate::{Method, Shading, ShadingModel};
@@ -59,19 +59,17 @@ impl Shading {
     pub(crate) fn filled(self, settled: &SettledShading) -> Shading {
         let model = settled.model;
         let is_lit = model.is_lit();
-        let has_highlight = matches!(model, ShadingModel::Phong | ShadingModel::BlinnPhong);
-        let is_rough = model == ShadingModel::CookTorrance;
+        let of =
+            |key: &str, own: Option<f64>, settled: f64| own.or(model.has(key).then_some(settled));
         let fades = model == ShadingModel::GradientOpacity;
         Shading {
             model: Some(model),
             ambient: self.ambient.or(is_lit.then_some(settled.ambient)),
-            diffuse: self.diffuse.or(is_lit.then_some(settled.diffuse)),
-            specular: self.specular.or(has_highlight.then_some(settled.specular)),
-            shininess: self
-                .shininess
-                .or(has_highlight.then_some(settled.shininess)),
-            roughness: self.roughness.or(is_rough.then_some(settled.roughness)),
-            reflectance: self.reflectance.or(is_rough.then_some(settled.reflectance)),
+            diffuse: of("diffuse", self.diffuse, settled.diffuse),
+            specular: of("specular", self.specular, settled.specular),
+            shininess: of("shininess", self.shininess, settled.shininess),
+            roughness: of("roughness", self.roughness, settled.roughness),
+            reflectance: of("reflectance", self.reflectance, settled.reflectance),
             keep_last_normal: self
                 .keep_last_normal
                 .or(is_lit.then_some(settled.keep_last_normal)),
@@ -90,46 +88,42 @@ impl SettledShading {
             value as f32
         };
         let share = Within::Closed(0.0, 10.0);
+        // Models measure it differently.
+        let roughness = (self.model.function()).and_then(|f| f.parameter("roughness"));
+        let [least, most] = roughness.map_or([0.05, 1.0], |parameter| parameter.range);
         let ambient = number("ambient", self.ambient, share);
-        let diffuse = number("diffuse", self.diffuse, share);
-        let specular = number("specular", self.specular, share);
-        let shininess = number("shininess", self.shininess, Within::Above(0.0, 1000.0));
-        let roughness = number("roughness", self.roughness, Within::Closed(0.05, 1.0));
-        let reflectance = number("reflectance", self.reflectance, Within::Closed(0.0, 1.0));
+        number("diffuse", self.diffuse, share);
+        number("specular", self.specular, share);
+        number("shininess", self.shininess, Within::Above(0.0, 1000.0));
+        number("roughness", self.roughness, Within::Closed(least, most));
+        number("reflectance", self.reflectance, Within::Closed(0.0, 1.0));
         let within = Within::Closed(SMALLEST_PER_MM, 1e30);
         let full_per_mm = number("full_per_mm", self.full_per_mm, within);
-        let illuminate = match self.model {
+        match self.model {
             ShadingModel::Unlit => return Shade::Unlit,
-            ShadingModel::Lambert => Illuminate::Lambert { diffuse },
-            ShadingModel::Phong => Illuminate::Phong {
-                diffuse,
-                specular,
-                shininess,
-            },
-            ShadingModel::BlinnPhong => Illuminate::BlinnPhong {
-                diffuse,
-                specular,
-                shininess,
-            },
-            ShadingModel::CookTorrance => Illuminate::CookTorrance {
-                diffuse,
-                roughness,
-                reflectance,
-            },
             ShadingModel::GradientOpacity if !method.is_projection() => {
                 return Shade::GradientOpacity { full_per_mm };
             }
-            ShadingModel::GradientOpacity => Illuminate::Lambert { diffuse },
-        };
-        let has_place = !matches!(method, Method::Average | Method::Gmip);
-        if !has_place || self.model == ShadingModel::GradientOpacity {
+            _ => {}
+        }
+        // Keys of the scene, by the names of the parameters that they are.
+        let illuminate = self.model.illuminate(|parameter| match parameter {
+            "diffuse" => self.diffuse,
+            "specular" => self.specular,
+            "shininess" => self.shininess,
+            "roughness" => self.roughness,
+            "reflectance" => self.reflectance,
+            other => (self.model.function()).map_or(0.0, |function| function.default_of(other)),
+        });
+        let has_place = (method.function()).is_none_or(|function| function.has_place);
+        let Some(illuminate) = illuminate.filter(|_| has_place) else {
             checker.add(
                 "shading.model",
                 format!("{:?} with method {:?}", self.model.name(), method.name()),
                 "\"unlit\" (or nothing): such a projection has no surface",
             );
             return Shade::Unlit;
-        }
+        };
         Shade::Lit {
             ambient,
             illuminate,

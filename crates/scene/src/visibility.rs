@@ -10,8 +10,9 @@ pub use clips::dropped;
 pub use even::even_cubes;
 pub use opacity::most_opacity;
 
-use crate::plan::{Classify, Composite, DebugView, Fetch, Field, Plan, Reconstruct};
+use crate::plan::{Classify, Composite, Fetch, Field, Plan, Reconstruct};
 use crate::transfer::{Places, TransferTable};
+use strahl_shader::registry::Skips;
 use strahl_volume::bricks::{BrickRange, Bricks};
 use strahl_volume::{Cancelled, ContentId, Control, Key, Rescale};
 
@@ -117,14 +118,6 @@ impl Contribution {
             !range.is_empty() && shows(technique.classify, &opaque, lo, hi)
         };
         Ok(match technique.composite {
-            Composite::EmissionAbsorption { .. }
-            | Composite::BackToFront
-            | Composite::Debug(
-                DebugView::Normal
-                | DebugView::GradientRaw
-                | DebugView::GradientMagnitude { .. }
-                | DebugView::Depth { .. },
-            ) => Contribution::Visible(of_reached(bricks, way, visible, control)?),
             Composite::Mida { low, high, .. } => {
                 let rises = |range: BrickRange| {
                     let (lo, hi) = values(range);
@@ -134,23 +127,21 @@ impl Contribution {
                 Contribution::Visible(of_reached(bricks, way, matters, control)?)
             }
             Composite::FirstHit { threshold } => {
-                let hit =
-                    |range: BrickRange| !range.is_empty() && values(range).1 >= threshold as f32;
+                let hit = |range: BrickRange| !range.is_empty() && values(range).1 >= threshold;
                 Contribution::Visible(of_reached(bricks, way, hit, control)?)
             }
             Composite::Mip => {
                 let largest = |range| values(range).1;
                 Contribution::Largest(of_reached(bricks, way, largest, control)?)
             }
-            Composite::MinIp => {
+            Composite::Minip => {
                 let smallest = |range| values(range).0;
                 Contribution::Smallest(of_reached(bricks, way, smallest, control)?)
             }
-            Composite::Average
-            | Composite::Gmip { .. }
-            | Composite::Debug(
-                DebugView::Entry | DebugView::Exit | DebugView::SampleCount { .. },
-            ) => Contribution::Every,
+            composite => match composite.function().skips {
+                Skips::Clear => Contribution::Visible(of_reached(bricks, way, visible, control)?),
+                Skips::Nothing | Skips::Own => Contribution::Every,
+            },
         })
     }
 }

@@ -19,7 +19,7 @@ fn link(criterion: &mut Criterion) {
         ("clip_ray", "plane"),
         ("jitter", "hash"),
         ("clip_sample", "box"),
-        ("fetch", "texture"),
+        ("fetch", "stored"),
         ("reconstruct", "b_spline_sampler"),
         ("classify", "table"),
         ("gradient_input", "value"),
@@ -28,7 +28,7 @@ fn link(criterion: &mut Criterion) {
         ("light", "directional"),
         ("illuminate", "cook_torrance"),
         ("shade", "lit"),
-        ("composite", "front_to_back"),
+        ("composite", "emission_absorption"),
     ]
     .into_iter()
     .fold(Selection::new(), |selection, (slot, name)| {

@@ -22,10 +22,10 @@
 //!     }
 //! ")?;
 //! let selection = Selection::new()
-//!     .with(built_in("fetch", "texture")?)
+//!     .with(built_in("fetch", "stored")?)
 //!     .with(built_in("reconstruct", "trilinear")?)
 //!     .with(Arc::new(halved))
-//!     .with(built_in("composite", "front_to_back")?);
+//!     .with(built_in("composite", "emission_absorption")?);
 //! let one = RayLoop { volumes: vec![Texels::Float], objects: 1, is_before_geometry: false, is_finite: false };
 //! let program = Linker::new().link(&ray_loop(&one)?, &selection)?;
 //! let mut parameters = program.default_parameters();
@@ -43,6 +43,7 @@ mod link;
 mod module;
 mod parameter;
 mod program;
+pub mod registry;
 mod skeleton;
 mod slot;
 mod token;
@@ -52,7 +53,7 @@ pub use error::{Error, Report};
 pub use library::{built_in, library};
 pub use link::{Linker, MOST_TURNS, Selection};
 pub use module::{MOST_MODULE_BYTES, Module, PRELUDE, Ports};
-pub use parameter::{Parameter, Scalar};
+pub use parameter::{Beside, Parameter, Scalar};
 pub use program::{Block, Origin, Program};
 pub use skeleton::{
     BRICK_VOXELS, MOST_MASKS, MOST_OBJECTS, NOWHERE_MM, PAGE_VOXELS, RayLoop, Skeleton, TABLE_ROW,

@@ -7,6 +7,7 @@
 use crate::error::Error;
 use crate::module::{Module, PRELUDE, validate_program};
 use crate::program::{Block, Passage, Program};
+use crate::registry::Function;
 use crate::skeleton::{Skeleton, bindings};
 use crate::slot::{Fold, SLOTS, SUPPLIED, Signature, Slot};
 use crate::token::{Declared, Token, closing, declarations, tokens};
@@ -290,7 +291,7 @@ impl<'s> Reach<'s> {
             return Err(Error::Empty {
                 slot: slot.name,
                 needed_by: needed_by.to_owned(),
-                known: crate::library::names(slot).join(", "),
+                known: Function::names(slot.name).join(", "),
             });
         }
         if modules.len() > 1 && slot.fold == Fold::One {
@@ -415,7 +416,10 @@ impl<'s> Writer<'s> {
         for declaration in &module.declarations {
             let own = &declaration.name;
             let is_function_of_slot = module.slot().functions.iter().any(|f| f.name == own);
-            let name = if own == module.main() && module.slot().functions.len() < 2 {
+            let name = if label == "composite" && own == "State" {
+                // Graphs carry it along their rays under this name.
+                "CompositeState".to_owned()
+            } else if own == module.main() && module.slot().functions.len() < 2 {
                 label.clone()
             } else if is_function_of_slot {
                 continue;

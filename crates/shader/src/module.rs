@@ -1,7 +1,7 @@
 //! A module: the WGSL text of one function for one slot.
 
 use crate::error::{Error, Report};
-use crate::parameter::{Parameter, Scalar};
+use crate::parameter::{Beside, Parameter, Scalar};
 use crate::slot::{SLOTS, SUPPLIED, Signature, Slot};
 use crate::token::{Declaration, Declared, Token, declarations, tokens};
 use naga::front::wgsl;
@@ -708,25 +708,28 @@ impl Text<'_> {
                     )));
                 }
             };
-            let (scalar, range) = match scalar {
-                ScalarKind::Sint => (Scalar::I32, [f64::from(i32::MIN), f64::from(i32::MAX)]),
-                ScalarKind::Uint => (Scalar::U32, [0.0, f64::from(u32::MAX)]),
-                _ => (Scalar::F32, [f64::from(f32::MIN), f64::from(f32::MAX)]),
+            let scalar = match scalar {
+                ScalarKind::Sint => Scalar::I32,
+                ScalarKind::Uint => Scalar::U32,
+                _ => Scalar::F32,
             };
-            let mut parameter = Parameter {
-                name: name.clone(),
-                scalar,
-                components,
-                offset: member.offset,
-                meaning: String::new(),
-                default: Vec::new(),
-                range,
-                unit: None,
-            };
+            let mut parameter = Parameter::new(name.clone(), scalar, components, member.offset);
             let lines = comments.and_then(|c| c.get(&(handle, i)));
             let lines = lines.into_iter().flatten().flat_map(|text| text.lines());
             parameter.describe(lines).map_err(wrong)?;
             parameters.push(parameter);
+        }
+        for parameter in &parameters {
+            let other = parameter.beside.as_ref().map(Beside::other);
+            if let Some(other) = other
+                && !parameters.iter().any(|p| p.name == other)
+            {
+                let problem = format!(
+                    "parameter `{}` is compared with `{other}`, which is no parameter",
+                    parameter.name
+                );
+                return Err(self.error(problem, place, "", []));
+            }
         }
         Ok((parameters, *span))
     }

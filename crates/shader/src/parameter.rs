@@ -8,14 +8,19 @@
 //!     /// Where the plane lies.
 //!     /// default (0, 0, 0), unit mm
 //!     origin: vec3f,
+//!     /// The value that is white.
+//!     /// default 1, not black
+//!     white: f32,
 //! }
 //! ```
+
+use std::borrow::Cow;
 
 /// A parameter of a module.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parameter {
     /// The member's name, also the key in a scene.
-    pub name: String,
+    pub name: Cow<'static, str>,
     /// The type of one component.
     pub scalar: Scalar,
     /// Components: 1 to 4.
@@ -23,13 +28,24 @@ pub struct Parameter {
     /// Byte offset in the struct, as naga lays it out.
     pub offset: u32,
     /// What it means.
-    pub meaning: String,
+    pub meaning: Cow<'static, str>,
     /// The value if nothing is said; as many numbers as components.
-    pub default: Vec<f64>,
+    pub default: Cow<'static, [f64]>,
     /// The smallest and largest allowed value of each component.
     pub range: [f64; 2],
     /// The unit, if it has one.
-    pub unit: Option<String>,
+    pub unit: Option<Cow<'static, str>>,
+    /// What its value is beside that of another parameter.
+    pub beside: Option<Beside>,
+}
+
+/// What the value of a parameter is beside that of another one.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Beside {
+    /// `not NAME`: another number than that of the parameter `NAME`.
+    Not(Cow<'static, str>),
+    /// `above NAME`: a larger number.
+    Above(Cow<'static, str>),
 }
 
 /// The type of a component.
@@ -43,7 +59,36 @@ pub enum Scalar {
     U32,
 }
 
+impl Beside {
+    /// The name of the other parameter.
+    pub fn other(&self) -> &str {
+        match self {
+            Beside::Not(other) | Beside::Above(other) => other,
+        }
+    }
+}
+
 impl Parameter {
+    /// A parameter of which nothing is said yet: any number that its type has.
+    pub(crate) fn new(name: String, scalar: Scalar, components: usize, offset: u32) -> Parameter {
+        let range = match scalar {
+            Scalar::F32 => [f64::from(f32::MIN), f64::from(f32::MAX)],
+            Scalar::I32 => [f64::from(i32::MIN), f64::from(i32::MAX)],
+            Scalar::U32 => [0.0, f64::from(u32::MAX)],
+        };
+        Parameter {
+            name: name.into(),
+            scalar,
+            components,
+            offset,
+            meaning: "".into(),
+            default: Cow::Borrowed(&[]),
+            range,
+            unit: None,
+            beside: None,
+        }
+    }
+
     /// The type as WGSL writes it.
     pub fn type_name(&self) -> String {
         let (long, short) = match self.scalar {
@@ -87,6 +132,24 @@ impl Parameter {
         Ok(())
     }
 
+    /// What is wrong with `value` beside the values that `of` gives for other parameters, if anything.
+    ///
+    /// # Errors
+    /// What would be right.
+    pub fn check_beside(&self, value: f64, of: impl Fn(&str) -> f64) -> Result<(), String> {
+        // As the program sees them.
+        let value = value as f32;
+        match &self.beside {
+            Some(Beside::Not(other)) if value == of(other) as f32 => {
+                Err(format!("{} other than {other}", self.name))
+            }
+            Some(Beside::Above(other)) if value <= of(other) as f32 => {
+                Err(format!("{} above {other}", self.name))
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// Writes a checked value to where it lies in `block`, the bytes of the struct.
     pub fn write(&self, value: &[f64], block: &mut [u8]) {
         for (i, &number) in value.iter().enumerate() {
@@ -121,7 +184,7 @@ impl Parameter {
                 self.describe_part(part)?;
             }
         }
-        self.meaning = meaning.join(" ").trim().to_owned();
+        self.meaning = meaning.join(" ").trim().to_owned().into();
         if !has_default {
             return Err("has no default; its comment needs a line such as `default 0.5, range 0 to 1, unit mm`".into());
         }
@@ -147,8 +210,9 @@ impl Parameter {
                 self.default = list
                     .split(',')
                     .map(|number| number.trim().parse().ok())
-                    .collect::<Option<_>>()
-                    .ok_or_else(unreadable)?;
+                    .collect::<Option<Vec<_>>>()
+                    .ok_or_else(unreadable)?
+                    .into();
             }
             "range" => {
                 let (low, high) = rest.split_once(" to ").ok_or_else(unreadable)?;
@@ -156,7 +220,9 @@ impl Parameter {
                 let high = high.trim().parse().map_err(|_| unreadable())?;
                 self.range = [low, high];
             }
-            "unit" => self.unit = Some(rest.to_owned()),
+            "unit" => self.unit = Some(rest.to_owned().into()),
+            "not" => self.beside = Some(Beside::Not(rest.to_owned().into())),
+            "above" => self.beside = Some(Beside::Above(rest.to_owned().into())),
             _ => return Err(unreadable()),
         }
         Ok(())
@@ -186,16 +252,7 @@ mod tests {
     use super::*;
 
     fn parameter(components: usize) -> Parameter {
-        Parameter {
-            name: "p".into(),
-            scalar: Scalar::F32,
-            components,
-            offset: 4,
-            meaning: String::new(),
-            default: Vec::new(),
-            range: [f64::NEG_INFINITY, f64::INFINITY],
-            unit: None,
-        }
+        Parameter::new("p".into(), Scalar::F32, components, 4)
     }
 
     #[test]
@@ -211,12 +268,12 @@ mod tests {
         )
         .unwrap();
         assert_eq!(p.meaning, "Distance of the plane.");
-        assert_eq!(p.default, [-2.5]);
+        assert_eq!(*p.default, [-2.5]);
         assert_eq!(p.range, [-10.0, 1000.0]);
         assert_eq!(p.unit.as_deref(), Some("mm"));
         let mut v = parameter(3);
         v.describe(["default (0, 0, 1)"].into_iter()).unwrap();
-        assert_eq!(v.default, [0.0, 0.0, 1.0]);
+        assert_eq!(*v.default, [0.0, 0.0, 1.0]);
     }
 
     #[test]

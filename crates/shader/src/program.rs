@@ -141,7 +141,7 @@ impl Program {
         let parameters = block.module.parameters();
         let found = parameters.iter().find(|p| p.name == parameter);
         let found = found.ok_or_else(|| {
-            let known: Vec<_> = parameters.iter().map(|p| p.name.as_str()).collect();
+            let known: Vec<_> = parameters.iter().map(|p| &*p.name).collect();
             wrong(format!("does not exist; there are {}", known.join(", ")))
         })?;
         found.check(value).map_err(wrong)?;

@@ -207,7 +207,7 @@ pub fn surrounding_words() -> &'static HashSet<&'static str> {
             include_str!("../skeleton/values_any.wgsl"),
             include_str!("../skeleton/behind_geometry.wgsl"),
             PRELUDE,
-            "volume volume_sampler stored texel_linear parameters Parameters march lighting illuminate light select vertex_out VertexOut receive at out instance is_inside",
+            "volume volume_sampler stored texel_linear parameters Parameters march lighting illuminate light select vertex_out VertexOut receive at out instance is_inside CompositeState looked_at composite_of_look composite_of_sample",
         ];
         let mut words: HashSet<_> = texts
             .iter()
@@ -250,7 +250,9 @@ fn skeleton(what: &RayLoop, kind: &str, march: &str) -> Result<Skeleton, Error> 
     wgsl.push_str(include_str!("../skeleton/ray.wgsl"));
     wgsl.push('\n');
     wgsl.push_str(march);
-    let look = if one {
+    let look = if march.contains("composite_of_look(") {
+        include_str!("../skeleton/look_of_nodes.wgsl")
+    } else if one {
         include_str!("../skeleton/look_of_one.wgsl")
     } else {
         include_str!("../skeleton/look_of_several.wgsl")
@@ -275,6 +277,8 @@ fn skeleton(what: &RayLoop, kind: &str, march: &str) -> Result<Skeleton, Error> 
         include_str!("../skeleton/texel.wgsl").into(),
         include_str!("../skeleton/linear_by_texels.wgsl").into(),
         include_str!("../skeleton/pages.wgsl").into(),
+        include_str!("../skeleton/composite_of_look.wgsl").into(),
+        include_str!("../skeleton/composite_of_sample.wgsl").into(),
         stored(volumes).into(),
         texel_linear(volumes).into(),
     ];

@@ -3,16 +3,29 @@
 //! All vectors have length 1. Diffuse parts are multiplied by the surface colour, highlights are
 //! white; there is nothing where the light comes from behind.
 
-mod blinn_phong;
-mod cook_torrance;
-mod lambert;
-mod phong;
 mod surface;
 
 use crate::lanes::{F32s, Vec3s, dot, each};
 use crate::levels::Level;
-use strahl_scene::plan::Illuminate;
+use strahl_scene::plan::{Illuminate, for_each_function};
 use surface::Surface;
+
+/// A file per model of the registry, each with a function `parts` of the surface and the model's parameters.
+macro_rules! models {
+    ($(; $meaning:literal $variant:ident $name:ident $word:literal { $($field:ident),* })*) => {
+        $(mod $name;)*
+
+        /// What is multiplied by the surface colour, and the highlight.
+        #[inline(always)]
+        fn parts<S: Level>(model: Illuminate, surface: &Surface<S>) -> (F32s<S>, F32s<S>) {
+            match model {
+                $(Illuminate::$variant { $($field),* } => $name::parts(surface, $($field),*),)*
+            }
+        }
+    };
+}
+
+for_each_function! { Illuminate => models! {} }
 
 /// What one light does to a surface.
 #[inline(always)]
@@ -33,24 +46,7 @@ pub fn illuminate<S: Level>(
         to_light,
         cosine,
     };
-    let (diffuse, highlight) = match model {
-        Illuminate::Lambert { diffuse } => lambert::parts(&surface, diffuse),
-        Illuminate::Phong {
-            diffuse,
-            specular,
-            shininess,
-        } => phong::parts(&surface, diffuse, specular, shininess),
-        Illuminate::BlinnPhong {
-            diffuse,
-            specular,
-            shininess,
-        } => blinn_phong::parts(&surface, diffuse, specular, shininess),
-        Illuminate::CookTorrance {
-            diffuse,
-            roughness,
-            reflectance,
-        } => cook_torrance::parts(&surface, diffuse, roughness, reflectance),
-    };
+    let (diffuse, highlight) = parts(model, &surface);
     let highlight = lit.select(highlight, F32s::zero());
     each!([0, 1, 2], |c| {
         radiance[c] * (diffuse * color[c] + highlight)

@@ -51,7 +51,7 @@ impl<S: Level> Packet<'_, S> {
             live = live & k.lt(rays.count) & !self.done();
         }
         if let Composite::FirstHit { threshold } = self.scenery.composite {
-            self.hit(object, F32s::splat(threshold as f32));
+            self.hit(object, F32s::splat(threshold));
         }
         k
     }

@@ -146,7 +146,7 @@ impl<S: Level> Packet<'_, S> {
                 maximum::add(&mut self.state, sampled, value, place);
                 sampled
             }
-            Composite::MinIp => {
+            Composite::Minip => {
                 minimum::add(&mut self.state, sampled, value, place);
                 sampled
             }
@@ -161,7 +161,7 @@ impl<S: Level> Packet<'_, S> {
                 sampled
             }
             Composite::FirstHit { threshold } => {
-                self.meet(F32s::splat(threshold as f32), k, value, sampled)
+                self.meet(F32s::splat(threshold), k, value, sampled)
             }
             Composite::Debug(view) => self.inspect(view, object, place, position, sampled, value),
         }
@@ -341,7 +341,7 @@ impl<S: Level> Packet<'_, S> {
             Composite::Debug(_) => F32s::zero().lt(state.alpha),
             Composite::BackToFront
             | Composite::Mip
-            | Composite::MinIp
+            | Composite::Minip
             | Composite::Average
             | Composite::Gmip { .. } => Mask::none(),
         }
@@ -352,7 +352,7 @@ impl<S: Level> Packet<'_, S> {
     pub(super) fn finish(&mut self) -> Seen {
         let found = F32s::zero().lt(self.state.number);
         match self.scenery.composite {
-            Composite::Mip | Composite::MinIp => self.classify_once(self.state.value, found),
+            Composite::Mip | Composite::Minip => self.classify_once(self.state.value, found),
             Composite::Average => self.classify_once(average::mean(&self.state), found),
             Composite::Gmip { white_per_mm } => {
                 let grey = debug::grey(self.state.value, 0.0, white_per_mm);

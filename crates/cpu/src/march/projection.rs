@@ -124,7 +124,7 @@ impl<S: Level> Packet<'_, S> {
         if !found.any() {
             return;
         }
-        let is_least = self.scenery.composite == Composite::MinIp;
+        let is_least = self.scenery.composite == Composite::Minip;
         // Where the ray leaves.
         let tail = rays.tail * F32s::splat(1.0 / parts as f32);
         let last = rays.count - F32s::splat(1.0) + rays.jitter + tail;

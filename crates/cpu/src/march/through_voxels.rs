@@ -52,7 +52,7 @@ impl<S: Level> Packet<'_, S> {
     #[inline(always)]
     fn through<T: Sample>(&mut self, object: &Object<S>, voxels: &Linear<T>) -> F32s<S> {
         if let Composite::FirstHit { threshold } = self.scenery.composite {
-            self.until_hit(object, voxels, threshold as f32)
+            self.until_hit(object, voxels, threshold)
         } else if self.scenery.shading.is_unlit() {
             self.unlit(object, voxels)
         } else {

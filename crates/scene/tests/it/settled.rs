@@ -158,7 +158,7 @@ fn methods_become_composites() {
             },
         ),
         (r#"{ "method": "mip" }"#, Composite::Mip),
-        (r#"{ "method": "minip" }"#, Composite::MinIp),
+        (r#"{ "method": "minip" }"#, Composite::Minip),
         (r#"{ "method": "average" }"#, Composite::Average),
         (
             r#"{ "method": "first-hit", "threshold": 250 }"#,

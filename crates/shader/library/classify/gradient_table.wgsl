@@ -6,7 +6,7 @@ struct Params {
     /// default 0, range 0 to 1e30
     low_per_mm: f32,
     /// The gradient magnitude above which the opacity of the transfer function holds.
-    /// default 100, range 0 to 1e30
+    /// default 100, range 0 to 1e30, above low_per_mm
     high_per_mm: f32,
 }
 

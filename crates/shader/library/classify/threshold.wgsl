@@ -7,7 +7,7 @@ struct Params {
     /// default 0
     black: f32,
     /// The value that is white and opaque.
-    /// default 1
+    /// default 1, not black
     white: f32,
 }
 

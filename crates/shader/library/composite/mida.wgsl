@@ -6,7 +6,7 @@ struct Params {
     /// default 0
     low: f32,
     /// The value that counts as 1.
-    /// default 1
+    /// default 1, not low
     high: f32,
     /// -1 is front-to-back compositing, 0 the method itself.
     /// default 0, range -1 to 0

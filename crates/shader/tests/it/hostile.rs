@@ -7,9 +7,9 @@ use strahl_shader::{Linker, MOST_TURNS, Module, Selection, Texels, built_in};
 fn program(source: &str) -> String {
     let mine = Module::parse("mine", "mine.wgsl", source).unwrap();
     let selection = [
-        ("fetch", "texture"),
+        ("fetch", "stored"),
         ("reconstruct", "trilinear"),
-        ("composite", "front_to_back"),
+        ("composite", "emission_absorption"),
     ]
     .into_iter()
     .fold(Selection::new(), |s, (slot, name)| {

@@ -1,7 +1,9 @@
 //! Every function of the library, alone and linked.
 
 use crate::{loop_over, one};
+use std::path::Path;
 use std::sync::Arc;
+use strahl_shader::registry::Function;
 use strahl_shader::{Fold, Linker, Module, SLOTS, Selection, Texels, built_in, library, slot};
 
 /// One function in every slot, so that everything can be needed.
@@ -10,7 +12,7 @@ fn full() -> Selection {
         ("clip_ray", "plane"),
         ("jitter", "hash"),
         ("clip_sample", "box"),
-        ("fetch", "texture"),
+        ("fetch", "stored"),
         ("reconstruct", "trilinear"),
         ("classify", "table"),
         ("gradient_input", "value"),
@@ -18,7 +20,7 @@ fn full() -> Selection {
         ("light", "head"),
         ("illuminate", "blinn_phong"),
         ("shade", "lit"),
-        ("composite", "front_to_back"),
+        ("composite", "emission_absorption"),
     ]
     .into_iter()
     .fold(Selection::new(), |selection, (slot, name)| {
@@ -53,6 +55,34 @@ fn every_function_can_be_read() {
                 module.file(),
                 parameter.name
             );
+        }
+    }
+}
+
+#[test]
+fn the_registry_says_what_the_texts_say() {
+    for module in library() {
+        let function = Function::find(module.slot().name, module.name()).unwrap();
+        assert_eq!(
+            function.parameters,
+            module.parameters(),
+            "{}",
+            module.file()
+        );
+        assert_eq!(function.meaning, module.meaning().replace('\n', " "));
+        let needs_looks = module.slot().name == "composite" && module.needs().contains(&"look");
+        assert_eq!(function.adds_looks, needs_looks, "{}", module.file());
+    }
+}
+
+#[test]
+fn every_text_of_the_folder_is_in_the_registry() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("library");
+    for slot in SLOTS.iter().map(|slot| slot.name) {
+        for file in std::fs::read_dir(folder.join(slot)).unwrap() {
+            let file = file.unwrap().path();
+            let name = file.file_stem().unwrap().to_str().unwrap();
+            assert!(Function::names(slot).contains(&name), "{}", file.display());
         }
     }
 }

@@ -24,9 +24,9 @@ fn linked(modules: &[(&str, &str)], own: &[&str]) -> Result<String, Error> {
 }
 
 const BASE: [(&str, &str); 3] = [
-    ("fetch", "texture"),
+    ("fetch", "stored"),
     ("reconstruct", "trilinear"),
-    ("composite", "front_to_back"),
+    ("composite", "emission_absorption"),
 ];
 
 #[test]

@@ -4,7 +4,7 @@ struct Params {
     /// default 0, unit mm
     near_mm: f32,
     /// The distance that is white.
-    /// default 1000, unit mm
+    /// default 1000, unit mm, not near_mm
     far_mm: f32,
 }
 
