@@ -7,12 +7,14 @@
 use crate::plan::{PlanCamera, Projection as PlanProjection};
 use crate::problem::{Checker, Within};
 use glam::{DQuat, DVec3};
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use strahl_volume::{Grid, Modality, VolumeHeader};
 
 /// Where the picture is taken from: an orbit about the volume, or, with `position`, a free place.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct Camera {
     /// How rays spread; default `perspective`.
@@ -50,7 +52,8 @@ pub struct Camera {
 }
 
 /// How rays spread.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Projection {
     /// From the eye: near things are larger.
@@ -61,7 +64,8 @@ pub enum Projection {
 
 /// The side that an orbit starts from. In RAS, so that `front` means the face of a patient; the
 /// patient's left is then on the right of the picture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum View {
     /// From the front (anterior), head up.

@@ -3,12 +3,14 @@
 use crate::plan::{ALL_LAYERS, ClipPlane, ClipShape, LayerSet, MOST_MASKS, SampleClip};
 use crate::problem::{Checker, Problems, Within};
 use glam::{DAffine3, DMat3, DQuat, DVec3, EulerRot};
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use strahl_volume::{Grid, LabelVolume};
 
 /// Something that cuts a part of the picture away.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Clip {
     /// Keeps one side of a plane.
@@ -24,7 +26,8 @@ pub enum Clip {
 }
 
 /// Keeps the side of a plane that its normal points to.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct PlaneClip {
     /// Towards the side that is kept, RAS; any length above 0.
@@ -41,7 +44,8 @@ pub struct PlaneClip {
 }
 
 /// A box, and whether its inside or its outside is kept.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct BoxClip {
     /// One corner.
@@ -63,7 +67,8 @@ pub struct BoxClip {
 }
 
 /// A volume whose values say what is inside.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct MaskClip {
     /// File with the mask, on a grid of its own; relative to the folder of the scene file.
@@ -83,7 +88,8 @@ pub struct MaskClip {
 }
 
 /// A label, as people write it.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
     untagged,
     expecting = "the id of a label, a whole number from 0, or its name"
@@ -96,7 +102,8 @@ pub enum LabelName {
 }
 
 /// What the corners of a box count in.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum BoxSpace {
     /// RAS mm.
@@ -108,7 +115,8 @@ pub enum BoxSpace {
 }
 
 /// What a shape keeps.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Keep {
     /// What is in it.

@@ -1,9 +1,12 @@
 //! Display colours and their way to linear light.
 
 use crate::plan::Compositing;
+#[cfg(feature = "schema")]
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
-use std::{borrow::Cow, fmt};
+#[cfg(feature = "schema")]
+use std::borrow::Cow;
+use std::fmt;
 
 /// A colour as people say it: sRGB, red, green, blue from 0 to 1.
 ///
@@ -116,6 +119,7 @@ impl<'de> Deserialize<'de> for Color {
     }
 }
 
+#[cfg(feature = "schema")]
 impl JsonSchema for Color {
     fn schema_name() -> Cow<'static, str> {
         "Color".into()
@@ -207,6 +211,7 @@ impl<'de> Deserialize<'de> for Background {
     }
 }
 
+#[cfg(feature = "schema")]
 impl JsonSchema for Background {
     fn schema_name() -> Cow<'static, str> {
         "Background".into()

@@ -7,6 +7,7 @@ use crate::plan::{
     PlanModule, Reconstruct, Shade,
 };
 use crate::problem::{Checker, Number};
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -15,7 +16,8 @@ use strahl_shader::registry::Function;
 use strahl_shader::{Module, Parameter, SLOTS};
 
 /// A shader function, and values for its parameters.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct FunctionUse {
     /// The name of a function of the library (`strahl shader list`), or a `.wgsl` file relative to the
@@ -27,7 +29,8 @@ pub struct FunctionUse {
 }
 
 /// A number, or the numbers of a vector.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(untagged)]
 pub enum ParameterValue {
     /// A number.

@@ -1,8 +1,10 @@
 //! The key `graph`: the text of a graph and its edits, which the graph compiler reads.
 
+#[cfg(feature = "schema")]
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de, ser};
 use serde_json::value::RawValue;
+#[cfg(feature = "schema")]
 use std::borrow::Cow;
 
 /// The text of a graph and its edits as they stand in a scene: JSON, an object of keys. A scene only keeps it;
@@ -58,6 +60,7 @@ impl<'de> Deserialize<'de> for GraphText {
     }
 }
 
+#[cfg(feature = "schema")]
 impl JsonSchema for GraphText {
     fn inline_schema() -> bool {
         true

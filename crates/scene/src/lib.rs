@@ -60,7 +60,9 @@ pub use image::Image;
 pub use light::{Light, LightKind, LightSpace};
 pub use noise_tile::NoiseTile;
 pub use object::{Placement, SceneObject};
-pub use parse::{Error, MOST_SCENE_BYTES, schema};
+#[cfg(feature = "schema")]
+pub use parse::schema;
+pub use parse::{Error, MOST_SCENE_BYTES};
 pub use preset::{PresetInfo, presets};
 pub use problem::{Problem, Problems};
 pub use resolve::{resolve, resolve_with};

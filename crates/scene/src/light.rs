@@ -4,11 +4,13 @@ use crate::Color;
 use crate::plan::{Compositing, PlanCamera, PlanLight};
 use crate::problem::{Checker, Within};
 use glam::DVec3;
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// A light.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Light {
     /// What kind of light.
@@ -40,7 +42,8 @@ pub struct Light {
 }
 
 /// A kind of light.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum LightKind {
     /// Parallel light from one direction.
@@ -52,7 +55,8 @@ pub enum LightKind {
 }
 
 /// What the angles of a light count from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum LightSpace {
     /// The light moves with the camera.

@@ -3,11 +3,13 @@
 use crate::problem::{Checker, Within};
 use crate::{Color, TransferFunction, VolumeSource};
 use glam::{DAffine3, DMat3, DQuat, DVec3, EulerRot};
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// A volume, a mesh, or a group (none of the two) in the scene.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct SceneObject {
     /// What clips and other objects call it. The scene's own volume is called `volume`.
@@ -40,7 +42,8 @@ pub struct SceneObject {
 }
 
 /// Where something is put: first scaled, then turned, both about `about`, then moved.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct Placement {
     /// By how much along x, y, z (RAS mm); default 0.

@@ -158,6 +158,7 @@ pub(crate) fn keys() -> &'static [&'static str] {
 }
 
 /// The JSON schema of scenes, as checked in at `docs/scene.schema.json`.
+#[cfg(feature = "schema")]
 pub fn schema() -> String {
     let schema = schemars::schema_for!(Scene);
     let mut text = serde_json::to_string_pretty(&schema).unwrap_or_default();

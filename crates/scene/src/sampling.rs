@@ -2,12 +2,14 @@
 
 use crate::plan;
 use crate::problem::{Checker, Within};
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Which points of a ray are looked at. Everything but `regular` is for method `emission-absorption` and one volume;
 /// `refine` is for `mip` and `minip`, too.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct Sampling {
     /// The rule; default `regular`, or `adaptive` where `error` is given.
@@ -27,7 +29,8 @@ pub struct Sampling {
 }
 
 /// A rule of sampling.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum SamplingRule {
     /// One sample at every lattice point.

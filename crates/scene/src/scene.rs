@@ -7,18 +7,20 @@ use crate::{
     Light, Method, Placement, Reconstruct, Sampling, SceneObject, ShadingModel, TransferFunction,
     VolumeSource,
 };
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// What is to be drawn. Keys that are left out take the value of the preset, then the default that
 /// `docs/scene.md` names.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct Scene {
     /// Version of the scene format: 1.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("const" = 1))]
+    #[cfg_attr(feature = "schema", schemars(extend("const" = 1)))]
     pub format: Option<u32>,
     /// The volume that is drawn.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -115,7 +117,8 @@ pub struct Scene {
 }
 
 /// Where the object ids come from. Their grid must be the volume's.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct LabelSource {
     /// File, relative to the folder of the scene file.
@@ -123,7 +126,8 @@ pub struct LabelSource {
 }
 
 /// From the cheapest to the best: the four settings that S0's measurements are made with.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Quality {
     /// No march: where rays enter, as colour.
@@ -137,7 +141,8 @@ pub enum Quality {
 }
 
 /// The numbers in which colours are added up.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Compositing {
     /// Linear light.
@@ -147,7 +152,8 @@ pub enum Compositing {
 }
 
 /// How gradients are found.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct Gradient {
     /// The estimate; default `central`.
@@ -159,7 +165,8 @@ pub struct Gradient {
 }
 
 /// How light and surface make a colour.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct Shading {
     /// The model.
@@ -193,7 +200,8 @@ pub struct Shading {
 }
 
 /// Where in its step a sample lies.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Jitter {
     /// In the middle, for every ray.
@@ -209,7 +217,8 @@ pub enum Jitter {
 }
 
 /// How linear light becomes a picture file.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct Display {
     /// Light is multiplied by this first, 1e-6 to 1e6.
@@ -230,7 +239,8 @@ pub struct Display {
 }
 
 /// How light above white is brought down.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum ToneMap {
     /// Cut off.

@@ -6,13 +6,17 @@ use crate::problem::{Checker, Within};
 use crate::transfer::TransferTable;
 use crate::window::{Window, round_to_width};
 use crate::{Color, ColorMap, Method};
+#[cfg(feature = "schema")]
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
-use std::{borrow::Cow, fmt};
+#[cfg(feature = "schema")]
+use std::borrow::Cow;
+use std::fmt;
 use strahl_volume::VolumeHeader;
 
 /// Value → colour and opacity: points, or a colour map over a window, or a mix of both.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct TransferFunction {
     /// Points in ascending order of value. Colour and opacity are linear in between (colour in
@@ -44,7 +48,8 @@ pub struct TransferFunction {
 }
 
 /// What the values of transfer function points count in.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum PointsIn {
     /// Values of the volume (HU for CT).
@@ -76,7 +81,8 @@ impl TransferPoint {
     }
 }
 
-#[derive(Serialize, Deserialize, JsonSchema)]
+#[derive(Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct PointKeys {
     value: f64,
@@ -140,6 +146,7 @@ impl<'de> Deserialize<'de> for TransferPoint {
     }
 }
 
+#[cfg(feature = "schema")]
 impl JsonSchema for TransferPoint {
     fn schema_name() -> Cow<'static, str> {
         "TransferPoint".into()

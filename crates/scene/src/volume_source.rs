@@ -2,13 +2,15 @@
 
 use crate::nearest::nearest;
 use crate::{Problem, Problems};
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use strahl_volume::read::{RawLayout, ReadOptions};
 use strahl_volume::{Phantom, SampleType};
 
 /// Where the volume comes from: a `path`, or the name of a `phantom`.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct VolumeSource {
     /// File or folder, relative to the folder of the scene file.
@@ -146,7 +148,8 @@ impl VolumeSource {
 }
 
 /// Byte order of numbers in a file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Endian {
     /// Least significant byte first.

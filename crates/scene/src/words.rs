@@ -2,6 +2,7 @@
 //! called and what it does are said there.
 
 use crate::plan;
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use strahl_shader::for_each_function;
@@ -16,7 +17,8 @@ macro_rules! words {
         $(; $meaning:literal $variant:ident $name:ident $word:literal { $($field:ident),* })*
     ) => {
         $(#[$doc])*
-        #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+        #[cfg_attr(feature = "schema", derive(JsonSchema))]
         pub enum $words {
             $($(#[$own_doc])* #[serde(rename = $own_word)] $own,)*
             $(#[doc = $meaning] #[serde(rename = $word)] $variant,)*
