@@ -11,7 +11,7 @@ use strahl_conformance::gallery::{gallery, scene};
 use strahl_conformance::scenes::{SCENES, prepare};
 use strahl_evaluate::Evaluator;
 use strahl_scene::plan::*;
-use strahl_scene::{Image, Scene, resolve};
+use strahl_scene::{Image, OtherData, Scene, resolve};
 use strahl_shader::{Module, Texels};
 use strahl_volume::phantom::Phantom;
 use strahl_volume::{Control, Datasets, Samples, Volume, Work};
@@ -377,7 +377,7 @@ fn a_picture_can_be_cancelled_and_a_plan_of_other_data_is_refused() {
     let refused = Evaluator::new(&other).render(&plan, &Control::NONE);
     assert!(matches!(
         refused,
-        Err(strahl_evaluate::Error::OtherGrid { .. })
+        Err(strahl_evaluate::Error::OtherData(OtherData::Grid { .. }))
     ));
 }
 

@@ -10,6 +10,7 @@ use crate::simple::{
 use glam::{DAffine3, DMat3, DVec3};
 use std::collections::HashMap;
 use strahl_cpu::{Options, Rendered, Renderer};
+use strahl_scene::OtherData;
 use strahl_scene::plan::*;
 use strahl_scene::transfer::TransferTable;
 use strahl_shader::registry::Function;
@@ -255,7 +256,10 @@ fn a_moved_volume_looks_as_from_a_moved_camera() {
     // Without a word that it is moved it is another volume's Plan.
     moved.field_mut().is_moved = false;
     let refused = Renderer::new(&a).render(&moved, &Options::default(), &Control::NONE);
-    assert!(matches!(refused, Err(strahl_cpu::Error::OtherGrid { .. })));
+    assert!(matches!(
+        refused,
+        Err(strahl_cpu::Error::OtherData(OtherData::Grid { .. }))
+    ));
 }
 
 /// A square across the view at `y_mm`, larger than the picture.

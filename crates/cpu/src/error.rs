@@ -9,28 +9,9 @@ pub enum Error {
     /// Whoever asked for the picture ended it by its [`Control`](strahl_volume::Control).
     #[error("cancelled")]
     Cancelled,
-    /// The Plan was resolved for another volume.
-    #[error(
-        "the plan is for a grid of {plan:?} voxels, the volume has {volume:?} (or lies elsewhere); resolve the scene with this volume's header"
-    )]
-    OtherGrid {
-        /// Dimensions in the Plan.
-        plan: [usize; 3],
-        /// Dimensions of the volume.
-        volume: [usize; 3],
-    },
-    /// The Plan counts more data than was handed over.
-    #[error(
-        "the plan needs {what} number {index}, of which {there} were handed to the renderer; hand over the data that the plan was resolved for"
-    )]
-    NoData {
-        /// `volume`, `mask` or `mesh`.
-        what: &'static str,
-        /// Which one, from 0.
-        index: usize,
-        /// How many there are.
-        there: usize,
-    },
+    /// The Plan was resolved for other data.
+    #[error(transparent)]
+    OtherData(#[from] strahl_scene::OtherData),
     /// A shader function without a twin for the processor.
     #[error(
         "the function {function} for the slot {slot} has no form for this renderer; draw its program with strahl-evaluate or on a graphics processor, or leave it out"

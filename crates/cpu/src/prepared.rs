@@ -18,6 +18,7 @@ use crate::skip::Skip;
 use crate::strides::Strides;
 use std::sync::Arc;
 use std::time::Instant;
+use strahl_scene::Source;
 use strahl_scene::plan::{Fetch, Field, Plan, Reconstruct, Sampling};
 use strahl_scene::visibility::ContributionOf;
 use strahl_volume::bricks::{BrickRange, Bricks, BricksOf};
@@ -25,19 +26,13 @@ use strahl_volume::{Cancelled, CoefficientsOf, ContentId, Datasets, Key, Rescale
 
 /// What the objects of a Plan are drawn from, and what is known of it.
 pub struct Prepared {
-    reads: Vec<Read>,
+    sources: Vec<Source>,
     known: Vec<Known>,
     masks: Vec<Volume>,
     meshes: Meshes,
     /// For bricks, and for the rest.
     pub bricks_seconds: f64,
     pub seconds: f64,
-}
-
-/// What an object is reconstructed from: its voxels, or coefficients in their place.
-struct Read {
-    volume: Arc<Volume>,
-    rescale: Rescale,
 }
 
 impl Prepared {
@@ -49,19 +44,21 @@ impl Prepared {
         skips: bool,
     ) -> Result<Prepared, Error> {
         let start = Instant::now();
-        let (mut reads, mut known) = (Vec::new(), Vec::new());
+        let (mut sources, mut known) = (Vec::new(), Vec::new());
         let mut bricks_seconds = 0.0;
         for (layer, field) in plan.drawn_fields().enumerate() {
-            let own = &data.volumes[field.volume];
-            let read = Read::new(making, field, own)?;
+            let source = Source::new(field, data, |own| {
+                let make = || own.b_spline_coefficients_under(making.control);
+                making.find(&CoefficientsOf(own.id()), make)
+            })?;
             let bricks_start = Instant::now();
-            let source = Source::new(making, field, read)?;
+            let reading = Reading::new(making, field, source)?;
             bricks_seconds += bricks_start.elapsed().as_secs_f64();
-            known.push(source.known(making, &data.masks, plan, layer, skips)?);
-            reads.push(source.read);
+            known.push(reading.known(making, &data.masks, plan, layer, skips)?);
+            sources.push(reading.source);
         }
         Ok(Prepared {
-            reads,
+            sources,
             known,
             masks: data.masks.clone(),
             meshes: Meshes::new(making, &data.meshes)?,
@@ -80,17 +77,19 @@ impl Prepared {
                 values(mask.grid(), mask.samples(), mask.rescale(), trilinear)
             })
             .collect();
-        let of_layers = self.reads.iter().zip(plan.drawn_fields());
-        let sources: Vec<_> = of_layers.map(|(read, field)| read.values(field)).collect();
+        let of_layers = self.sources.iter().zip(plan.drawn_fields());
+        let values: Vec<_> = of_layers
+            .map(|(source, field)| values_of(source, field))
+            .collect();
         let object = |(index, known): (usize, Known)| {
             let field = plan.field_of(index);
             let is_plain =
                 field.fetch == Fetch::Stored && field.reconstruct == Reconstruct::Trilinear;
-            let samples = self.reads[index].volume.samples();
+            let samples = self.sources[index].volume.samples();
             let stored = is_plain
                 .then(|| Stored::new(&field.grid, samples))
                 .flatten();
-            Object::new(plan, index, &*sources[index], stored, &masks, known)
+            Object::new(plan, index, &*values[index], stored, &masks, known)
         };
         draw(&Scenery {
             plan,
@@ -103,65 +102,48 @@ impl Prepared {
     }
 }
 
-impl Read {
-    fn new(making: &Making, field: &Field, own: &Volume) -> Result<Read, Error> {
-        if !field.reads_coefficients() {
-            return Ok(Read {
-                volume: Arc::new(own.clone()),
-                rescale: field.rescale,
-            });
+/// The values of a field: slots fetch and reconstruct.
+fn values_of<'a, S: Level>(source: &'a Source, field: &Field) -> Box<dyn Values<S> + 'a> {
+    let shape = Shape::new(&field.grid);
+    match field.fetch {
+        Fetch::MarschnerLobb { frequency, alpha } => {
+            let fetch = MarschnerLobb {
+                shape,
+                frequency,
+                alpha,
+            };
+            of_fetch(fetch, Rescale::IDENTITY, field.reconstruct)
         }
-        let make = || own.b_spline_coefficients_under(making.control);
-        let volume = making.find(&CoefficientsOf(own.id()), make)?;
-        Ok(Read {
-            rescale: volume.rescale(),
-            volume,
-        })
-    }
-
-    /// The values of a field: slots fetch and reconstruct.
-    fn values<'a, S: Level>(&'a self, field: &Field) -> Box<dyn Values<S> + 'a> {
-        let shape = Shape::new(&field.grid);
-        match field.fetch {
-            Fetch::MarschnerLobb { frequency, alpha } => {
-                let fetch = MarschnerLobb {
-                    shape,
-                    frequency,
-                    alpha,
-                };
-                of_fetch(fetch, Rescale::IDENTITY, field.reconstruct)
-            }
-            Fetch::Noise {
+        Fetch::Noise {
+            cell_voxels,
+            octaves,
+            seed,
+        } => {
+            let fetch = Noise {
+                shape,
                 cell_voxels,
                 octaves,
                 seed,
-            } => {
-                let fetch = Noise {
-                    shape,
-                    cell_voxels,
-                    octaves,
-                    seed,
-                };
-                of_fetch(fetch, Rescale::IDENTITY, field.reconstruct)
-            }
-            Fetch::Stored => {
-                let samples = self.volume.samples();
-                values(&field.grid, samples, self.rescale, field.reconstruct)
-            }
+            };
+            of_fetch(fetch, Rescale::IDENTITY, field.reconstruct)
+        }
+        Fetch::Stored => {
+            let samples = source.volume.samples();
+            values(&field.grid, samples, source.rescale, field.reconstruct)
         }
     }
 }
 
 /// What an object is reconstructed from, with its bricks, and what there is for cubic kernels.
-struct Source {
-    read: Read,
+struct Reading {
+    source: Source,
     bricks: Arc<Bricks>,
     of_cubic: Option<OfCubic>,
 }
 
-impl Source {
-    fn new(making: &Making, field: &Field, read: Read) -> Result<Source, Cancelled> {
-        let (volume, control) = (&read.volume, making.control);
+impl Reading {
+    fn new(making: &Making, field: &Field, source: Source) -> Result<Reading, Cancelled> {
+        let (volume, control) = (&source.volume, making.control);
         volume.statistics_under(control)?;
         let is_linear = matches!(
             field.reconstruct,
@@ -169,16 +151,16 @@ impl Source {
         );
         if field.fetch == Fetch::Stored && !is_linear {
             let of_cubic = OfCubic::new(making, volume)?;
-            return Ok(Source {
+            return Ok(Reading {
                 bricks: of_cubic.bricks.clone(),
                 of_cubic: Some(of_cubic),
-                read,
+                source,
             });
         }
         let make = || Bricks::under(volume, EDGE, 0, control);
         let bricks = making.find(&BricksOf::new(volume, EDGE, 0), make)?;
-        Ok(Source {
-            read,
+        Ok(Reading {
+            source,
             bricks,
             of_cubic: None,
         })
@@ -194,7 +176,7 @@ impl Source {
         skips: bool,
     ) -> Result<Known, Error> {
         let (bricks, of) = (&*self.bricks, (plan, layer));
-        let contribution = ContributionOf::new(plan, layer, self.read.volume.id(), bricks);
+        let contribution = ContributionOf::new(plan, layer, self.source.volume.id(), bricks);
         let clipped = Clipped::new(making, masks, bricks, plan, layer)?;
         let clipped = clipped.as_ref();
         let skip = match skips {
@@ -211,7 +193,7 @@ impl Source {
         Ok(Known {
             skip: skip.filter(|_| is_whole || !plan.sampling.is_of_segments()),
             rejection: rejection
-                .and_then(|of_cubic| Rejection::new(of_cubic, plan, layer, self.read.rescale)),
+                .and_then(|of_cubic| Rejection::new(of_cubic, plan, layer, self.source.rescale)),
             even,
             strides: Strides::new(making, &contribution, bricks, of, clipped)?,
             integrals: Integrals::of_plan(making, plan, layer)?,
@@ -220,7 +202,7 @@ impl Source {
 
     /// Whether every voxel has a value, and none is so large that differences overflow.
     fn is_whole(&self, making: &Making) -> Result<bool, Cancelled> {
-        let volume = &self.read.volume;
+        let volume = &self.source.volume;
         let fits = |range: BrickRange| range.lo > -1e37 && range.hi < 1e37;
         let is_whole = making.find(&IsWholeOf(volume.id()), || {
             let statistics = volume.statistics_under(making.control)?;

@@ -16,7 +16,7 @@ use rayon::ThreadPool;
 use std::sync::Arc;
 use std::time::Instant;
 use strahl_scene::Image;
-use strahl_scene::plan::{ClipShape, Field, Plan};
+use strahl_scene::plan::Plan;
 use strahl_volume::{Control, Datasets, Store, Work};
 
 /// Draws Plans of the same data. What it makes of the data for that it keeps in a [`Store`], for the next picture.
@@ -109,30 +109,7 @@ impl Renderer {
     }
 
     pub(crate) fn check(&self, plan: &Plan, options: &Options) -> Result<(), Error> {
-        let there = |what, index: usize, there: usize| {
-            (index < there)
-                .then_some(())
-                .ok_or(Error::NoData { what, index, there })
-        };
-        for field in plan.drawn_fields() {
-            there("volume", field.volume, self.data.volumes.len())?;
-            let own = self.data.volumes[field.volume].grid();
-            // A field may be placed elsewhere, but has the voxels of its volume.
-            if field.grid.dims() != own.dims() || !self.has_place(field) {
-                return Err(Error::OtherGrid {
-                    plan: field.grid.dims(),
-                    volume: own.dims(),
-                });
-            }
-        }
-        for clip in &plan.sample_clips {
-            if let ClipShape::Mask { mask, .. } = clip.shape {
-                there("mask", mask, self.data.masks.len())?;
-            }
-        }
-        for mesh in &plan.meshes {
-            there("mesh", mesh.mesh, self.data.meshes.len())?;
-        }
+        plan.check(&self.data)?;
         if let Some(module) = plan.modules.first() {
             return Err(Error::NoTwin {
                 function: module.module.name().to_owned(),
@@ -153,13 +130,6 @@ impl Renderer {
             return Err(Error::NoTile);
         }
         Ok(())
-    }
-
-    /// Whether a field lies where its volume does; a Plan of one volume that lies elsewhere is that of
-    /// another one, unless its scene moves it.
-    fn has_place(&self, field: &Field) -> bool {
-        let own = self.data.volumes[field.volume].grid();
-        field.is_moved || field.grid == *own
     }
 }
 

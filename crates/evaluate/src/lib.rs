@@ -51,8 +51,8 @@ use std::time::Instant;
 use strahl_program::{
     Frame, Functions, Object, Order, Slices, Slicing, Table2d, noise_tile, tables, visible_bricks,
 };
-use strahl_scene::Image;
 use strahl_scene::plan::Plan;
+use strahl_scene::{Image, OtherData};
 use strahl_shader::{Linker, NOWHERE_MM, Program, RayLoop, TABLE_ROW, Texels, bindings, ray_loop};
 use strahl_volume::{Control, Datasets, Parts, Store, Work};
 use varyings::Inputs;
@@ -101,7 +101,7 @@ impl Evaluator {
     fn program(&mut self, plan: &Plan) -> Result<(Arc<Program>, Vec<u8>), Error> {
         let functions = self.functions(plan)?;
         let skeleton = ray_loop(&RayLoop {
-            is_finite: data::are_finite(&self.datasets) && functions.selection.is_built_in(),
+            is_finite: self.datasets.are_finite() && functions.selection.is_built_in(),
             ..self.loop_of(plan)?
         })?;
         let program = self.linker.link(&skeleton, &functions.selection)?;
@@ -127,7 +127,7 @@ impl Evaluator {
     /// # Errors
     /// The Plan belongs to other data.
     pub fn functions(&self, plan: &Plan) -> Result<Functions, Error> {
-        data::check(&self.datasets, plan)?;
+        plan.check(&self.datasets)?;
         let threshold = |mask, threshold| data::mask_threshold(&self.datasets, mask, threshold);
         Ok(Functions::of(plan, false, threshold)?)
     }
@@ -137,7 +137,7 @@ impl Evaluator {
     /// # Errors
     /// The Plan belongs to other data.
     pub fn loop_of(&self, plan: &Plan) -> Result<RayLoop, Error> {
-        data::check(&self.datasets, plan)?;
+        plan.check(&self.datasets)?;
         Ok(RayLoop {
             volumes: vec![Texels::UnfilterableFloat; self.datasets.volumes.len()],
             objects: plan.layers.len(),
@@ -345,22 +345,13 @@ impl<'a> Scenery<'a> {
                 }
                 _ if binding >= bindings::FIRST_TEXTURE => {
                     let index = (binding - bindings::FIRST_TEXTURE) as usize;
-                    let table = textures.get(index).ok_or(Error::NoData {
-                        what: "texture",
-                        index,
-                        there: textures.len(),
-                    })?;
+                    OtherData::unless_there("texture", index, textures.len())?;
+                    let table = &textures[index];
                     flat(table.texels.concat(), [table.width, table.height], 4)
                 }
                 _ => {
                     let volume = (binding - bindings::FIRST_VOLUME) as usize;
-                    if volume >= data.volumes() {
-                        return Err(Error::NoData {
-                            what: "volume",
-                            index: volume,
-                            there: data.volumes(),
-                        });
-                    }
+                    OtherData::unless_there("volume", volume, data.volumes())?;
                     let kind = texel_kind(program.naga(), binding);
                     Ok(Resource::Texture(data.volume(volume, kind)?))
                 }

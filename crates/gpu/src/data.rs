@@ -5,13 +5,11 @@ use crate::error::Error;
 use crate::geometry::MeshCorners;
 use crate::volume_texture::{Pages, Storage, VolumeTexture};
 use std::sync::Arc;
-use strahl_scene::plan::{ClipShape, Field, Plan};
+use strahl_scene::Source;
+use strahl_scene::plan::{Field, Plan};
 use strahl_shader::Texels;
-use strahl_volume::bricks::{Bricks, BricksOf};
-use strahl_volume::{
-    CoefficientsOf, ContentId, Control, Datasets, Key, Metadata, Rescale, SampleType, Samples,
-    Store, Volume,
-};
+use strahl_volume::bricks::Bricks;
+use strahl_volume::{ContentId, Control, Datasets, Key, Store, ValuesOf, Volume};
 
 /// Data that Plans are drawn from, and how the device holds it: known before anything is copied.
 #[derive(Clone, Debug)]
@@ -54,20 +52,6 @@ impl Key for CornersOf {
     }
 }
 
-/// Key of the values of a mask.
-#[derive(Clone, PartialEq)]
-struct ValuesOf(ContentId);
-
-impl Key for ValuesOf {
-    type Value = Volume;
-
-    const NAME: &str = "values of masks";
-
-    fn bytes(&self, value: &Volume) -> usize {
-        value.samples().as_bytes().len()
-    }
-}
-
 impl Data {
     pub fn new(datasets: Datasets, store: Arc<Store>, most: u32) -> Data {
         Data {
@@ -87,42 +71,17 @@ impl Data {
 
     /// Whether `plan` is one of this data.
     pub fn check(&self, plan: &Plan) -> Result<(), Error> {
-        let there = |what, index: usize, there: usize| {
-            (index < there)
-                .then_some(())
-                .ok_or(Error::NoData { what, index, there })
-        };
-        let data = &self.datasets;
-        for field in plan.drawn_fields() {
-            there("volume", field.volume, data.volumes.len())?;
-            let own = data.volumes[field.volume].grid();
-            // A field may be placed elsewhere, but has the voxels of its volume.
-            let is_own = field.is_moved || field.grid == *own;
-            if field.grid.dims() != own.dims() || !is_own {
-                return Err(Error::OtherGrid {
-                    plan: field.grid.dims(),
-                    volume: own.dims(),
-                });
-            }
-        }
-        for clip in &plan.sample_clips {
-            if let ClipShape::Mask { mask, .. } = clip.shape {
-                there("mask", mask, data.masks.len())?;
-            }
-        }
-        for mesh in &plan.meshes {
-            there("mesh", mesh.mesh, data.meshes.len())?;
-        }
-        Ok(())
+        Ok(plan.check(&self.datasets)?)
     }
 
     /// How the texture is stored that `plan` reads volume `volume` from.
     fn storage(&self, device: &Device, plan: &Plan, volume: usize) -> Storage {
-        let sample_type = match reads_coefficients(plan, volume) {
-            true => SampleType::F32,
-            false => self.datasets.volumes[volume].sample_type(),
-        };
+        let reader = reader(plan, volume);
         let volume = &self.datasets.volumes[volume];
+        let sample_type = match reader {
+            Some(field) => field.read_type(volume),
+            None => volume.sample_type(),
+        };
         let storage = Storage::of(sample_type, device);
         match VolumeTexture::is_paged(volume, self.most) {
             true => storage.paged(),
@@ -137,14 +96,9 @@ impl Data {
             .collect()
     }
 
-    /// Whether every value is finite because the voxels are whole numbers and far from the largest float.
+    /// Whether every value is known to be finite.
     pub fn are_finite(&self) -> bool {
-        let is_finite = |volume: &Volume| {
-            let Rescale { slope, intercept } = volume.rescale();
-            !matches!(volume.sample_type(), SampleType::F32 | SampleType::F64)
-                && slope.abs().max(intercept.abs()) < 1e20
-        };
-        self.datasets.volumes.iter().all(is_finite)
+        self.datasets.are_finite()
     }
 
     /// Whether a texture unit interpolates any of the fields' volumes.
@@ -155,12 +109,7 @@ impl Data {
 
     /// value = slope · texel + intercept: slope and intercept.
     pub fn value_of_texel(&self, device: &Device, plan: &Plan, field: &Field) -> (f64, f64) {
-        // Coefficients are values.
-        let rescale = if reads_coefficients(plan, field.volume) {
-            Rescale::IDENTITY
-        } else {
-            field.rescale
-        };
+        let rescale = field.read_rescale();
         // stored = scale · texel + shift
         let storage = self.storage(device, plan, field.volume);
         (
@@ -189,19 +138,18 @@ impl Data {
     ) -> Result<OnDevice, Error> {
         let mut volumes = Vec::new();
         for (index, own) in self.datasets.volumes.iter().enumerate() {
-            let volume = match reads_coefficients(plan, index) {
-                true => self.store.find(&CoefficientsOf(own.id()), control, || {
-                    own.b_spline_coefficients_under(control)
-                })?,
-                false => Arc::new(own.clone()),
+            let source = match reader(plan, index) {
+                Some(field) => Source::find(field, &self.datasets, &self.store, control)?,
+                // The program may not look at it, but it has a texture.
+                None => Source {
+                    volume: Arc::new(own.clone()),
+                    rescale: own.rescale(),
+                },
             };
-            let key = BricksOf::new(&volume, Bricks::EDGE, 0);
-            let make = || Bricks::under(&volume, Bricks::EDGE, 0, control);
-            let bricks = self.store.find(&key, control, make)?;
             volumes.push(VolumeOnDevice {
-                source: volume.id(),
-                texture: self.texture(device, &volume, control).await?,
-                bricks,
+                source: source.volume.id(),
+                texture: self.texture(device, &source.volume, control).await?,
+                bricks: source.bricks(&self.store, control)?,
             });
         }
         let mut masks = Vec::new();
@@ -256,7 +204,7 @@ impl Data {
         }
         let values = self
             .store
-            .find(&ValuesOf(mask.id()), control, || values(mask, control))?;
+            .find(&ValuesOf(mask.id()), control, || mask.values_under(control))?;
         self.texture(device, &values, control).await
     }
 }
@@ -269,24 +217,9 @@ fn holds_stored_numbers(device: &Device, mask: &Volume) -> bool {
     is_float && mask.rescale().slope > 0.0
 }
 
-/// The values of a mask.
-fn values(mask: &Volume, control: &Control) -> Result<Volume, strahl_volume::Error> {
-    const PIECE: usize = 1 << 16;
-    let number = mask.grid().voxel_count();
-    let mut values = Vec::with_capacity(number);
-    for start in (0..number).step_by(PIECE) {
-        control.check()?;
-        let value = |i| mask.rescale().value(mask.samples().get(i)) as f32;
-        values.extend((start..number.min(start + PIECE)).map(value));
-    }
-    let (values, metadata) = (Samples::F32(values), Metadata::default());
-    Volume::new(*mask.grid(), values, Rescale::IDENTITY, metadata)
-}
-
-/// Whether `plan` reads coefficients in place of the voxels of volume `volume`.
-fn reads_coefficients(plan: &Plan, volume: usize) -> bool {
-    plan.drawn_fields()
-        .any(|field| field.volume == volume && field.reads_coefficients())
+/// The field of `plan` that reads volume `volume`. Those of one volume read it alike.
+fn reader(plan: &Plan, volume: usize) -> Option<&Field> {
+    plan.drawn_fields().find(|field| field.volume == volume)
 }
 
 /// What a picture reads on the device.

@@ -65,18 +65,9 @@ pub enum Error {
         /// Voxels along an axis.
         most: u32,
     },
-    /// The Plan counts more data than was handed over.
-    #[error(
-        "the plan needs {what} number {index}, of which {there} were handed to the renderer; hand over the data that the plan was resolved for"
-    )]
-    NoData {
-        /// `volume`, `mask` or `mesh`.
-        what: &'static str,
-        /// Which one, from 0.
-        index: usize,
-        /// How many there are.
-        there: usize,
-    },
+    /// The Plan was resolved for other data.
+    #[error(transparent)]
+    OtherData(#[from] strahl_scene::OtherData),
     /// The Plan asks for what slices cannot do.
     #[error(transparent)]
     Slicing(#[from] strahl_program::SlicingError),
@@ -91,16 +82,6 @@ pub enum Error {
     /// Coefficients of a B-spline, or the values of a mask, cannot be made.
     #[error(transparent)]
     Volume(strahl_volume::Error),
-    /// The Plan was resolved for another volume.
-    #[error(
-        "the plan is for a grid of {plan:?} voxels, the volume has {volume:?} (or lies elsewhere); resolve the scene with this volume's header"
-    )]
-    OtherGrid {
-        /// Dimensions in the Plan.
-        plan: [usize; 3],
-        /// Dimensions of the volume.
-        volume: [usize; 3],
-    },
     /// The functions cannot be linked.
     #[error(transparent)]
     Shader(#[from] strahl_shader::Error),

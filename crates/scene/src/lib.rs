@@ -43,6 +43,7 @@ mod sampling;
 mod scene;
 mod settled;
 mod shading;
+mod source;
 mod step;
 mod transfer_function;
 mod volume_source;
@@ -71,6 +72,7 @@ pub use scene::{
     Compositing, Display, Gradient, Jitter, LabelSource, Quality, Scene, Shading, ToneMap,
 };
 pub use settled::{FORMAT, settled, settled_with};
+pub use source::{OtherData, Source};
 pub use step::MAX_SAMPLES_PER_RAY;
 pub use transfer_function::{PointsIn, TransferFunction, TransferPoint};
 pub use volume_source::{Endian, VolumeSource};

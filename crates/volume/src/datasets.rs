@@ -1,6 +1,6 @@
 //! The data of one picture.
 
-use crate::{Mesh, Volume};
+use crate::{Mesh, Rescale, Volume};
 
 /// The data that one picture is drawn from, in the order in which a Plan counts it. Volumes and meshes share their
 /// content with those that they were cloned from.
@@ -20,6 +20,17 @@ pub struct Datasets {
     pub masks: Vec<Volume>,
     /// The opaque surfaces.
     pub meshes: Vec<Mesh>,
+}
+
+impl Datasets {
+    /// Whether every value is finite because the voxels are whole numbers and far from the largest float.
+    pub fn are_finite(&self) -> bool {
+        let is_finite = |volume: &Volume| {
+            let Rescale { slope, intercept } = volume.rescale();
+            volume.sample_type().is_integer() && slope.abs().max(intercept.abs()) < 1e20
+        };
+        self.volumes.iter().all(is_finite)
+    }
 }
 
 impl From<Volume> for Datasets {

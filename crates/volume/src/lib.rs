@@ -37,6 +37,7 @@ mod rows;
 mod samples;
 mod statistics;
 mod store;
+mod values;
 mod volume;
 
 pub mod phantom;
@@ -56,4 +57,5 @@ pub use rescale::Rescale;
 pub use samples::{Sample, SampleType, Samples};
 pub use statistics::Statistics;
 pub use store::{Counts, Key, Store};
+pub use values::ValuesOf;
 pub use volume::{Metadata, Modality, Volume, VolumeHeader};
