@@ -10,6 +10,6 @@ fn main() -> Result<(), strahl::Error> {
         .view(View::Left)
         .size(600, 700)
         .save("03_phantom_and_preset.png")?;
-    println!("drawn in {:.2} s", picture.stats.draw_seconds());
+    println!("drawn in {:.2} s", picture.stats.draw_seconds);
     Ok(())
 }

@@ -30,7 +30,13 @@ fn main() {
     let scene = Scene::parse("small", r#"{ "size": [1, 1] }"#).unwrap();
     let plan = resolve(&scene, &volume.header(), None).unwrap();
     let mut evaluator = Evaluator::new(&volume);
-    let mut once = || evaluator.render(&plan, &Control::NONE).unwrap().seconds;
+    let mut once = || {
+        evaluator
+            .render(&plan, &Control::NONE)
+            .unwrap()
+            .stats
+            .draw_seconds
+    };
     once();
     let seconds = median((0..ROUNDS).map(|_| once()).collect());
     println!(
@@ -53,10 +59,10 @@ fn main() {
                 let drawn = twins
                     .render(&plan, &Default::default(), &Control::NONE)
                     .unwrap();
-                samples = drawn.stats.samples;
+                samples = drawn.stats.counts.unwrap().samples;
                 by_twins.push(start.elapsed().as_secs_f64());
                 let drawn = evaluator.render(&plan, &Control::NONE);
-                by_program.push(drawn.unwrap().seconds);
+                by_program.push(drawn.unwrap().stats.draw_seconds);
             }
             let (twins, program) = (median(by_twins), median(by_program));
             println!(

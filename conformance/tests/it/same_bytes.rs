@@ -4,7 +4,7 @@ use crate::random::{Random, seeds};
 use crate::simple;
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use std::path::PathBuf;
-use strahl_cpu::{InstructionSet, Options, Renderer, Stats};
+use strahl_cpu::{Counts, InstructionSet, Options, Renderer};
 use strahl_scene::plan::{
     ALL_LAYERS, Classify, ClipShape, Composite, Plan, SampleClip, Sampling, Shade,
 };
@@ -13,12 +13,12 @@ use strahl_volume::read::{MemoryFiles, ReadOptions, read_file};
 use strahl_volume::{Control, Datasets, Metadata, Rescale, Samples, Volume};
 
 /// The pixels as bits, so that NaN equals itself and 0 is not −0.
-fn draw(renderer: &Renderer, plan: &Plan, options: &Options) -> (Vec<[u32; 4]>, Stats) {
+fn draw(renderer: &Renderer, plan: &Plan, options: &Options) -> (Vec<[u32; 4]>, Counts) {
     let rendered = renderer.render(plan, options, &Control::NONE).unwrap();
     let bits = |pixel: &[f32; 4]| pixel.map(f32::to_bits);
     (
         rendered.image.pixels().iter().map(bits).collect(),
-        rendered.stats,
+        rendered.stats.counts.unwrap(),
     )
 }
 
@@ -63,7 +63,7 @@ fn check(what: &str, data: impl Into<Datasets>, plan: &Plan, ways: &[(usize, u32
             skip,
             instructions: Some(set),
         };
-        let (found, stats) = draw(&renderer, plan, &options);
+        let (found, counts) = draw(&renderer, plan, &options);
         if let Some(i) = (0..expected.len()).find(|&i| expected[i] != found[i]) {
             panic!(
                 "{what}, {options:?}: pixel {i} is {:?} instead of {:?}\n{:?}",
@@ -72,12 +72,12 @@ fn check(what: &str, data: impl Into<Datasets>, plan: &Plan, ways: &[(usize, u32
                 plan.technique().composite
             );
         }
-        assert_eq!(stats.lattice_points, plain.lattice_points, "{what}");
-        assert_eq!(stats.samples_visible == 0, plain.samples_visible == 0);
+        assert_eq!(counts.lattice_points, plain.lattice_points, "{what}");
+        assert_eq!(counts.samples_visible == 0, plain.samples_visible == 0);
         if skip {
-            skipped = stats.points_skipped as f64 / (stats.lattice_points as f64).max(1.0);
+            skipped = counts.points_skipped as f64 / (counts.lattice_points as f64).max(1.0);
         } else {
-            assert_eq!(stats.points_skipped, 0);
+            assert_eq!(counts.points_skipped, 0);
         }
     }
     skipped

@@ -189,7 +189,7 @@ fn overlapping_volumes_do_not_care_for_their_order() {
     swapped.fields[0].volume = 1;
     swapped.fields[1].volume = 0;
     let one = draw(data(vec![a.clone(), b.clone()]), &plan);
-    assert!(one.stats.samples_visible > 1000);
+    assert!(one.stats.counts.unwrap().samples_visible > 1000);
     let off = distance(&one, &draw(data(vec![b.clone(), a.clone()]), &swapped));
     assert!(off < 1e-6, "{off}");
     // And without skipping, with threads, from behind.
@@ -364,11 +364,12 @@ fn a_mask_of_a_half_space_cuts_as_a_box() {
             * DAffine3::from_scale(DVec3::new(1.0 / 10.0, 1.0 / 22.0, 1.0 / 22.0));
         boxed.sample_clips = vec![cut_box(half, keep_inside)];
         let (masked, boxed) = (draw(data.clone(), &masked), draw(&fog, &boxed));
-        assert!(masked.stats.samples_visible > 10_000);
+        assert!(masked.stats.counts.unwrap().samples_visible > 10_000);
         // A sample on the border itself may fall to either side.
         let off = distance(&masked, &boxed);
         assert!(off < 0.06, "{off}");
-        let share = masked.stats.samples_visible as f64 / boxed.stats.samples_visible as f64;
+        let share = masked.stats.counts.unwrap().samples_visible as f64
+            / boxed.stats.counts.unwrap().samples_visible as f64;
         assert!((share - 1.0).abs() < 0.002, "{share}");
     }
 }
@@ -595,7 +596,7 @@ fn skipping_changes_no_byte_of_any_variant() {
             };
             let pixels = drawn.image.pixels().iter();
             let bits: Vec<_> = pixels.map(|p| p.map(f32::to_bits)).collect();
-            Some((bits, drawn.stats.points_skipped))
+            Some((bits, drawn.stats.counts.unwrap().points_skipped))
         };
         let Some((plain, _)) = bits(1, 1 << 16, false) else {
             continue;

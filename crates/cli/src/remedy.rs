@@ -2,7 +2,7 @@
 
 use strahl::program::SlicingError;
 use strahl::volume::Remedy;
-use strahl::{Error, evaluate, gpu, graph, shader, volume};
+use strahl::{Error, Note, evaluate, gpu, graph, shader, volume};
 
 /// What can be said on the command line so that `error` does not come again, if there is something.
 pub fn of(error: &anyhow::Error) -> Option<String> {
@@ -28,6 +28,14 @@ fn of_picture(error: &Error) -> Option<String> {
         _ => return None,
     };
     Some(remedy.to_owned())
+}
+
+/// What can be done about what a note says.
+pub fn of_note(note: &Note) -> Option<&'static str> {
+    match note {
+        Note::GraphEvaluated | Note::FunctionEvaluated { .. } => Some("--backend gpu is faster"),
+        _ => None,
+    }
 }
 
 const ON_CPU: &str = "draw with --backend cpu";

@@ -165,9 +165,9 @@ fn time(arguments: &Arguments, spec: &Value, case: &Value, volume: &Volume, mode
         "seconds": seconds,
         "prepare_s": median(&prepare),
         "bricks_s": bricks,
-        "samples": drawn.stats.samples,
-        "visible": drawn.stats.samples_visible,
-        "points": drawn.stats.lattice_points,
+        "samples": drawn.stats.counts.unwrap().samples,
+        "visible": drawn.stats.counts.unwrap().samples_visible,
+        "points": drawn.stats.counts.unwrap().lattice_points,
         "stages_s": stages,
     })
 }

@@ -101,7 +101,7 @@ fn drawing(data: &Datasets, change: &str, size: usize) -> impl Fn() -> u64 {
     let renderer = Renderer::new(data.clone());
     move || {
         let drawn = renderer.render(&plan, &Options::default(), &strahl_volume::Control::NONE);
-        drawn.expect("a picture").stats.samples
+        drawn.expect("a picture").stats.counts.unwrap().samples
     }
 }
 

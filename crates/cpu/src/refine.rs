@@ -10,15 +10,14 @@ use crate::march::Counts;
 use crate::options::Options;
 use crate::prepared::Prepared;
 use crate::raster::Raster;
-use crate::rendered::{Rendered, Stats};
-use crate::renderer::Renderer;
+use crate::renderer::{Renderer, stats_of};
 use crate::scenery::Scenery;
 use crate::tiles;
 use rayon::prelude::*;
 use std::ops::ControlFlow;
 use std::time::Instant;
-use strahl_scene::Image;
 use strahl_scene::plan::{Lattice, Plan};
+use strahl_scene::{Image, Rendered, Stats};
 use strahl_volume::{Control, Parts, Work};
 
 /// How far a picture in stages is.
@@ -178,7 +177,7 @@ impl Refining<'_> {
                 bricks_seconds,
                 prepare_seconds,
                 draw_seconds: start.elapsed().as_secs_f64(),
-                ..Stats::of(plan, canvas.counts)
+                ..stats_of(plan, canvas.counts)
             },
         })
     }

@@ -10,13 +10,12 @@ use crate::pools::Pools;
 use crate::prepared::Prepared;
 use crate::raster::Raster;
 use crate::ray_packet::most_points;
-use crate::rendered::{Rendered, Stats};
 use crate::tiles;
 use rayon::ThreadPool;
 use std::sync::Arc;
 use std::time::Instant;
-use strahl_scene::Image;
 use strahl_scene::plan::Plan;
+use strahl_scene::{Image, Rendered, Stats};
 use strahl_volume::{Control, Datasets, Store, Work};
 
 /// Draws Plans of the same data. What it makes of the data for that it keeps in a [`Store`], for the next picture.
@@ -152,16 +151,17 @@ impl Drawing<'_> {
                 bricks_seconds,
                 prepare_seconds,
                 draw_seconds: start.elapsed().as_secs_f64(),
-                ..Stats::of(plan, drawn.counts)
+                ..stats_of(plan, drawn.counts)
             },
         })
     }
 }
 
-impl Stats {
-    /// What `counts` say of a picture of `plan`; no times.
-    pub(crate) fn of(plan: &Plan, counts: Counts) -> Stats {
-        Stats {
+/// What `counts` say of a picture of `plan`; no times.
+pub(crate) fn stats_of(plan: &Plan, counts: Counts) -> Stats {
+    Stats {
+        threads: rayon::current_num_threads(),
+        counts: Some(strahl_scene::Counts {
             rays: u64::from(plan.width) * u64::from(plan.height),
             rays_in_volume: counts.rays_in_volume,
             rays_ended_early: counts.ended_early,
@@ -170,10 +170,7 @@ impl Stats {
             samples_visible: counts.visible,
             points_skipped: counts.skipped,
             skipped_mm: counts.skipped as f64 * plan.lattice.step_mm,
-            threads: rayon::current_num_threads(),
-            bricks_seconds: 0.0,
-            prepare_seconds: 0.0,
-            draw_seconds: 0.0,
-        }
+        }),
+        ..Stats::default()
     }
 }

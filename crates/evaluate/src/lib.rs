@@ -41,6 +41,7 @@ pub use code::LANES;
 pub use error::Error;
 pub use machine::{Component, Machine, Results};
 pub use resources::{Address, Filter, Numbers, Resource, Resources, Sampler, Texture};
+pub use strahl_scene::{Rendered, Stats};
 
 use code::{BLOCK, Lanes};
 use data::Data;
@@ -63,18 +64,6 @@ pub struct Evaluator {
     datasets: Datasets,
     store: Arc<Store>,
     linker: Linker,
-}
-
-/// A picture and what it has cost.
-#[derive(Clone, Debug)]
-pub struct Rendered {
-    /// The picture.
-    pub image: Image,
-    /// Distance of the first hit or of opaque geometry from the start of each ray in mm, row by row,
-    /// infinite without; `None` if the Plan does not ask.
-    pub depth_mm: Option<Vec<f32>>,
-    /// Linking, compiling and drawing.
-    pub seconds: f64,
 }
 
 impl Evaluator {
@@ -118,7 +107,8 @@ impl Evaluator {
         let start = Instant::now();
         let (program, parameters) = self.program(plan)?;
         let mut rendered = self.render_by(plan, &program, &parameters, &[], control)?;
-        rendered.seconds = start.elapsed().as_secs_f64();
+        let stats = &mut rendered.stats;
+        stats.link_seconds = start.elapsed().as_secs_f64() - stats.draw_seconds;
         Ok(rendered)
     }
 
@@ -186,7 +176,7 @@ impl Evaluator {
             image: Image::from_pixels(plan.width, plan.height, pixels)
                 .into_linear(plan.compositing),
             depth_mm: None,
-            seconds: start.elapsed().as_secs_f64(),
+            stats: stats_since(start),
         })
     }
 
@@ -251,8 +241,17 @@ impl Evaluator {
             image: Image::from_pixels(plan.width, plan.height, pixels)
                 .into_linear(plan.compositing),
             depth_mm,
-            seconds: start.elapsed().as_secs_f64(),
+            stats: stats_since(start),
         })
+    }
+}
+
+/// Compiling and drawing; nothing is counted.
+fn stats_since(start: Instant) -> Stats {
+    Stats {
+        threads: rayon::current_num_threads(),
+        draw_seconds: start.elapsed().as_secs_f64(),
+        ..Stats::default()
     }
 }
 

@@ -35,6 +35,7 @@ mod volume_texture;
 pub use device::{Adapter, Device, adapters};
 pub use error::Error;
 pub use shown::TextureTarget;
+pub use strahl_scene::{Rendered, Stats};
 
 /// What devices and textures of others are made with.
 pub use wgpu;
@@ -65,32 +66,6 @@ pub struct Renderer {
     target: Target,
     /// Made when a picture first goes into a texture.
     shower: Option<Shower>,
-}
-
-/// A picture and what it has cost.
-#[derive(Clone, Debug)]
-pub struct Rendered {
-    /// The picture.
-    pub image: Image,
-    /// Distance of the first hit or of opaque geometry from the start of each ray in mm, row by row,
-    /// infinite without; `None` if the Plan does not ask.
-    pub depth_mm: Option<Vec<f32>>,
-    /// What it has cost.
-    pub stats: Stats,
-}
-
-/// What a picture has cost.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Stats {
-    /// Copying data to the device; almost nothing where it was there.
-    pub upload_seconds: f64,
-    /// Linking the program and making its pipeline; almost nothing for a combination of functions
-    /// that was drawn before.
-    pub link_seconds: f64,
-    /// Tables, bricks and parameters.
-    pub prepare_seconds: f64,
-    /// Drawing and copying back.
-    pub draw_seconds: f64,
 }
 
 /// What the ray loop reads of a Plan beside its parameters.
@@ -330,6 +305,7 @@ impl Renderer {
                 link_seconds: (linked - uploaded).as_secs_f64(),
                 prepare_seconds: (prepared_at - linked).as_secs_f64(),
                 draw_seconds: prepared_at.elapsed().as_secs_f64(),
+                ..Stats::default()
             },
         })
     }
@@ -402,6 +378,7 @@ impl Renderer {
             link_seconds: (linked - uploaded).as_secs_f64(),
             prepare_seconds: (prepared_at - linked).as_secs_f64(),
             draw_seconds: prepared_at.elapsed().as_secs_f64(),
+            ..Stats::default()
         })
     }
 
@@ -560,6 +537,7 @@ impl Renderer {
                 link_seconds: (linked - uploaded).as_secs_f64(),
                 prepare_seconds: (prepared_at - linked).as_secs_f64(),
                 draw_seconds: prepared_at.elapsed().as_secs_f64(),
+                ..Stats::default()
             },
         })
     }

@@ -38,6 +38,7 @@ mod places;
 mod preset;
 mod problem;
 mod quality;
+mod rendered;
 mod resolve;
 mod sampling;
 mod scene;
@@ -66,6 +67,7 @@ pub use parse::schema;
 pub use parse::{Error, MOST_SCENE_BYTES};
 pub use preset::{PresetInfo, presets};
 pub use problem::{Problem, Problems};
+pub use rendered::{Counts, Rendered, Stats};
 pub use resolve::{resolve, resolve_with};
 pub use sampling::{Sampling, SamplingRule};
 pub use scene::{

@@ -1,9 +1,10 @@
-//! Which renderer draws, and what a picture has cost there.
+//! Which renderer draws.
 
+use crate::note::Note;
 use crate::session::Session;
 use crate::show_stage::ShowStage;
 use crate::{Error, SceneGraph};
-use strahl_scene::{Image, plan::Plan};
+use strahl_scene::{Rendered, plan::Plan};
 use strahl_volume::{Control, Datasets};
 
 /// Which renderer draws.
@@ -23,44 +24,25 @@ pub enum Backend {
     },
 }
 
-/// What a picture has cost.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Stats {
-    /// On the processor.
-    Cpu(strahl_cpu::Stats),
-    /// On the processor, by the program that a graphics processor would run.
-    Evaluated {
-        /// Threads that drew.
-        threads: usize,
-        /// Linking, compiling and drawing.
-        seconds: f64,
-    },
-    /// On the graphics processor.
+/// Which renderer has drawn a picture.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum DrawnBy {
+    /// The processor's own ray loop.
+    Cpu,
+    /// The processor, by the program that a graphics processor would run.
+    Evaluator,
+    /// The graphics processor.
     Gpu {
-        /// The adapter that drew.
+        /// The adapter.
         adapter: String,
-        /// What it took.
-        stats: strahl_gpu::Stats,
     },
-}
-
-impl Stats {
-    /// Drawing alone, without reading and preparing.
-    pub fn draw_seconds(&self) -> f64 {
-        match self {
-            Stats::Cpu(stats) => stats.draw_seconds,
-            Stats::Evaluated { seconds, .. } => *seconds,
-            Stats::Gpu { stats, .. } => stats.draw_seconds,
-        }
-    }
 }
 
 /// A picture, and what was not done as asked.
 pub(crate) struct Drawn {
-    pub image: Image,
-    pub depth_mm: Option<Vec<f32>>,
-    pub stats: Stats,
-    pub notes: Vec<String>,
+    pub rendered: Rendered,
+    pub drawn_by: DrawnBy,
+    pub notes: Vec<Note>,
 }
 
 /// What is to be drawn.
@@ -96,10 +78,8 @@ pub(crate) fn draw(
                     Err(error) => error.to_string(),
                 },
             };
-            let drawn = on_cpu(session, wanted, options, None, control)?;
-            let why = format!("drawn on the processor: {why}");
-            let mut drawn = drawn;
-            drawn.notes.insert(0, why);
+            let mut drawn = on_cpu(session, wanted, options, None, control)?;
+            drawn.notes.insert(0, Note::NoGraphics { why });
             Ok(drawn)
         }
     }
@@ -114,9 +94,8 @@ fn on_cpu(
     control: &Control,
 ) -> Result<Drawn, Error> {
     if wanted.graph.is_some() {
-        let note = "the graph was evaluated on the processor, which is exact but slow; --backend gpu is faster";
         let mut drawn = evaluated(session, wanted, options.threads, control)?;
-        drawn.notes.push(note.to_owned());
+        drawn.notes.push(Note::GraphEvaluated);
         return Ok(drawn);
     }
     let (store, pools) = (session.store().clone(), session.pools().clone());
@@ -129,18 +108,14 @@ fn on_cpu(
         }),
     };
     match drawn {
-        Ok(drawn) => Ok(Drawn {
-            image: drawn.image,
-            depth_mm: drawn.depth_mm,
-            stats: Stats::Cpu(drawn.stats),
+        Ok(rendered) => Ok(Drawn {
+            rendered,
+            drawn_by: DrawnBy::Cpu,
             notes: Vec::new(),
         }),
         Err(strahl_cpu::Error::NoTwin { function, .. }) if show.is_none() => {
-            let note = format!(
-                "the function {function} has no form for the processor: its program was evaluated there, which is exact but slow; --backend gpu is faster"
-            );
             let mut drawn = evaluated(session, wanted, options.threads, control)?;
-            drawn.notes.push(note);
+            drawn.notes.push(Note::FunctionEvaluated { function });
             Ok(drawn)
         }
         Err(error) => Err(error.into()),
@@ -161,12 +136,12 @@ fn evaluated(
     let plan = wanted.plan;
     let mut draw = || {
         let mut notes = Vec::new();
-        let drawn = match wanted.graph {
+        let rendered = match wanted.graph {
             None => evaluator.render(plan, control)?,
             Some(graph) => {
                 let (what, functions) = (evaluator.loop_of(plan)?, evaluator.functions(plan)?);
                 let ready = graph.ready(plan, &what, &functions)?;
-                notes = ready.notes;
+                notes = ready.notes.into_iter().map(Note::Data).collect();
                 let of = &ready.compiled;
                 let (program, parameters) = (&of.program, &of.parameters);
                 let textures = &ready.textures;
@@ -178,12 +153,8 @@ fn evaluated(
             }
         };
         Ok(Drawn {
-            image: drawn.image,
-            depth_mm: drawn.depth_mm,
-            stats: Stats::Evaluated {
-                threads: rayon::current_num_threads(),
-                seconds: drawn.seconds,
-            },
+            rendered,
+            drawn_by: DrawnBy::Evaluator,
             notes,
         })
     };
@@ -202,12 +173,12 @@ fn on_gpu(
     session.on_gpu(adapter, wanted.data, control, |renderer| {
         let plan = wanted.plan;
         let mut notes = Vec::new();
-        let drawn = match wanted.graph {
+        let rendered = match wanted.graph {
             None => renderer.render(plan, control)?,
             Some(graph) => {
                 let (what, functions) = (renderer.loop_of(plan)?, renderer.functions(plan)?);
                 let ready = graph.ready(plan, &what, &functions)?;
-                notes = ready.notes;
+                notes = ready.notes.into_iter().map(Note::Data).collect();
                 let of = &ready.compiled;
                 let (program, parameters) = (&of.program, &of.parameters);
                 let textures = &ready.textures;
@@ -219,11 +190,9 @@ fn on_gpu(
             }
         };
         Ok(Drawn {
-            image: drawn.image,
-            depth_mm: drawn.depth_mm,
-            stats: Stats::Gpu {
+            rendered,
+            drawn_by: DrawnBy::Gpu {
                 adapter: renderer.device().adapter().to_string(),
-                stats: drawn.stats,
             },
             notes,
         })

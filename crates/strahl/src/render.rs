@@ -1,6 +1,7 @@
 //! From a volume or a scene to a picture: [`Render`] and [`render_file`].
 
-use crate::backend::{Backend, Stats, Wanted, draw};
+use crate::backend::{Backend, DrawnBy, Wanted, draw};
+use crate::note::Note;
 use crate::scene_data::{Own, SceneData};
 use crate::scene_file::{SceneFile, seen_from};
 use crate::session::Session;
@@ -12,8 +13,8 @@ use std::time::Instant;
 use strahl_cpu::Options;
 use strahl_gpu::TextureTarget;
 use strahl_scene::{
-    Background, Camera, Clip, Image, Method, Scene, TransferFunction, View, VolumeSource, plan,
-    resolve_with, settled_with,
+    Background, Camera, Clip, Image, Method, Scene, Stats, TransferFunction, View, VolumeSource,
+    plan, resolve_with, settled_with,
 };
 use strahl_volume::read::ReadOptions;
 use strahl_volume::{Control, Phantom, Volume};
@@ -76,9 +77,11 @@ pub struct Shown {
     /// The scene with every default filled in.
     pub scene: Scene,
     /// What the user should know.
-    pub notes: Vec<String>,
+    pub notes: Vec<Note>,
     /// What drawing has cost.
     pub stats: Stats,
+    /// The renderer that has drawn.
+    pub drawn_by: DrawnBy,
 }
 
 /// A picture, and how it came about.
@@ -94,9 +97,11 @@ pub struct Picture {
     /// The scene with every default filled in: drawing it again gives this picture.
     pub scene: Scene,
     /// What the user should know: slices left out, fields of the file that were put right.
-    pub notes: Vec<String>,
+    pub notes: Vec<Note>,
     /// What drawing has cost.
     pub stats: Stats,
+    /// The renderer that has drawn.
+    pub drawn_by: DrawnBy,
     /// Reading the volume, or computing the phantom.
     pub read_seconds: f64,
 }
@@ -288,14 +293,16 @@ impl<'a> Render<'a> {
             self.show,
             control,
         )?;
-        let notes = data.notes.into_iter().chain(drawn.notes).collect();
+        let of_data = data.notes.into_iter().map(Note::Data);
+        let notes = of_data.chain(drawn.notes).collect();
         Ok(Picture {
-            image: drawn.image,
-            depth_mm: drawn.depth_mm,
+            image: drawn.rendered.image,
+            depth_mm: drawn.rendered.depth_mm,
             display: plan.display,
             scene: settled_with(&scene, &headers),
             notes,
-            stats: drawn.stats,
+            stats: drawn.rendered.stats,
+            drawn_by: drawn.drawn_by,
             read_seconds,
         })
     }
@@ -315,17 +322,17 @@ impl<'a> Render<'a> {
             return Err(Error::NoGraph);
         }
         let control = &self.control;
-        let stats = session.on_gpu(None, &data.datasets(), control, |renderer| {
-            Ok(Stats::Gpu {
-                stats: renderer.render_into(&plan, target, control)?,
-                adapter: renderer.device().adapter().to_string(),
-            })
+        let (stats, drawn_by) = session.on_gpu(None, &data.datasets(), control, |renderer| {
+            let adapter = renderer.device().adapter().to_string();
+            let stats = renderer.render_into(&plan, target, control)?;
+            Ok((stats, DrawnBy::Gpu { adapter }))
         })?;
         Ok(Shown {
             display: plan.display,
             scene: settled_with(&scene, &headers),
-            notes: data.notes,
+            notes: data.notes.into_iter().map(Note::Data).collect(),
             stats,
+            drawn_by,
         })
     }
 

@@ -4,6 +4,7 @@ use crate::args;
 use crate::flags::{DemoFlags, DrawFlags, PictureFlags, ReadFlags, RenderFlags, StatsFormat};
 use crate::print;
 use crate::progress::{Progress, Stages};
+use crate::remedy;
 use anyhow::{Result, anyhow, bail};
 use serde_json::{Value, json};
 use std::ops::ControlFlow;
@@ -13,7 +14,7 @@ use std::time::Instant;
 use strahl::scene::VolumeSource;
 use strahl::scene::plan::Display;
 use strahl::volume::Phantom;
-use strahl::{Encoding, Image, Output, Picture, Render, Scene, SceneFile, Stats, cpu};
+use strahl::{DrawnBy, Encoding, Image, Output, Picture, Render, Scene, SceneFile, cpu};
 
 pub fn render(flags: &RenderFlags, quiet: bool) -> Result<()> {
     let subject = subject(&flags.inputs, &flags.read, quiet)?;
@@ -136,7 +137,10 @@ fn draw(
     drop(writing);
     let write_seconds = write_start.elapsed().as_secs_f64();
     for note in &picture.notes {
-        print::note(note, quiet);
+        match remedy::of_note(note) {
+            Some(remedy) => print::note(&format!("{note}; {remedy}"), quiet),
+            None => print::note(&note.to_string(), quiet),
+        }
     }
     let total_seconds = start.elapsed().as_secs_f64();
     if !quiet {
@@ -177,36 +181,41 @@ fn stats(path: &Path, picture: &Picture, write_seconds: f64, total_seconds: f64)
     });
     let mut seconds = json!({
         "read": picture.read_seconds,
-        "draw": picture.stats.draw_seconds(),
+        "draw": picture.stats.draw_seconds,
         "write": write_seconds,
         "total": total_seconds,
     });
-    match &picture.stats {
-        Stats::Cpu(stats) => {
+    let stats = &picture.stats;
+    match &picture.drawn_by {
+        DrawnBy::Cpu => {
             all["backend"] = "cpu".into();
             all["threads"] = stats.threads.into();
             seconds["bricks"] = stats.bricks_seconds.into();
-            seconds["prepare"] = stats.prepare_seconds.into();
-            all["rays"] = stats.rays.into();
-            all["rays_in_volume"] = stats.rays_in_volume.into();
-            all["rays_ended_early"] = stats.rays_ended_early.into();
-            all["lattice_points"] = stats.lattice_points.into();
-            all["samples"] = stats.samples.into();
-            all["samples_visible"] = stats.samples_visible.into();
-            all["points_skipped"] = stats.points_skipped.into();
-            all["skipped_mm"] = stats.skipped_mm.into();
         }
-        Stats::Evaluated { threads, .. } => {
+        DrawnBy::Evaluator => {
             all["backend"] = "evaluator".into();
-            all["threads"] = (*threads).into();
+            all["threads"] = stats.threads.into();
+            seconds["link"] = stats.link_seconds.into();
         }
-        Stats::Gpu { adapter, stats } => {
+        DrawnBy::Gpu { adapter } => {
             all["backend"] = "gpu".into();
             all["adapter"] = adapter.as_str().into();
             seconds["upload"] = stats.upload_seconds.into();
             seconds["link"] = stats.link_seconds.into();
-            seconds["prepare"] = stats.prepare_seconds.into();
         }
+    }
+    if picture.drawn_by != DrawnBy::Evaluator {
+        seconds["prepare"] = stats.prepare_seconds.into();
+    }
+    if let Some(counts) = &stats.counts {
+        all["rays"] = counts.rays.into();
+        all["rays_in_volume"] = counts.rays_in_volume.into();
+        all["rays_ended_early"] = counts.rays_ended_early.into();
+        all["lattice_points"] = counts.lattice_points.into();
+        all["samples"] = counts.samples.into();
+        all["samples_visible"] = counts.samples_visible.into();
+        all["points_skipped"] = counts.points_skipped.into();
+        all["skipped_mm"] = counts.skipped_mm.into();
     }
     all["seconds"] = seconds;
     all

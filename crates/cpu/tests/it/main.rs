@@ -120,7 +120,7 @@ fn statistics_add_up() {
             ..Options::default()
         };
         let rendered = Renderer::new(&volume).render(&plan, &options, &Control::NONE);
-        rendered.unwrap().stats
+        rendered.unwrap().stats.counts.unwrap()
     };
     let (all, some) = (draw(false), draw(true));
     assert_eq!(all.rays, 40 * 30);
@@ -128,12 +128,12 @@ fn statistics_add_up() {
     assert!(all.samples <= all.lattice_points && all.samples_visible <= all.samples);
     assert_eq!(all.points_skipped, 0);
     assert!(some.points_skipped > 0 && some.samples < all.samples);
-    let same = |stats: &strahl_cpu::Stats| {
+    let same = |counts: &strahl_cpu::Counts| {
         (
-            stats.rays_in_volume,
-            stats.rays_ended_early,
-            stats.lattice_points,
-            stats.samples_visible,
+            counts.rays_in_volume,
+            counts.rays_ended_early,
+            counts.lattice_points,
+            counts.samples_visible,
         )
     };
     assert_eq!(same(&all), same(&some));
@@ -152,7 +152,8 @@ fn every_rule_that_may_leaves_points_out() {
             .render(&plan, &Options::default(), &Control::NONE)
             .unwrap()
             .stats;
-        let share = stats.points_skipped as f64 / stats.lattice_points as f64;
+        let counts = stats.counts.unwrap();
+        let share = counts.points_skipped as f64 / counts.lattice_points as f64;
         assert!(share > 0.25, "{method}: {share}");
     }
 }

@@ -77,8 +77,9 @@ fn the_last_stage_has_the_bytes_of_the_picture() {
             assert_eq!(drawn.depth_mm, expected.depth_mm, "{scene}");
             let counts = |stats: strahl_cpu::Stats| {
                 // Which samples change a maximum depends on which rays go together.
-                let visible = (!rest.contains("mip")).then_some(stats.samples_visible);
-                (stats.rays, stats.lattice_points, visible)
+                let counts = stats.counts.unwrap();
+                let visible = (!rest.contains("mip")).then_some(counts.samples_visible);
+                (counts.rays, counts.lattice_points, visible)
             };
             assert_eq!(counts(drawn.stats), counts(expected.stats), "{scene}");
         }
@@ -177,7 +178,8 @@ fn a_coarser_plan_shows_the_same() {
     };
     let (full, coarse) = (draw(&plan), draw(&plan.coarser(2)));
     assert_eq!([coarse.image.width(), coarse.image.height()], [40, 30]);
-    let share = coarse.stats.lattice_points as f64 / full.stats.lattice_points as f64;
+    let share = coarse.stats.counts.unwrap().lattice_points as f64
+        / full.stats.counts.unwrap().lattice_points as f64;
     assert!((share - 0.125).abs() < 0.004, "{share} of the samples");
     // Means of blocks of 2 × 2 are about what the coarse picture shows.
     let mut off = 0.0;

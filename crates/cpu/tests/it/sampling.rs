@@ -505,9 +505,9 @@ fn neither_skipping_nor_anything_else_changes_a_byte() {
                 plan.field().reconstruct,
                 plan.lattice.step_mm
             );
-            skipping += usize::from(found.stats.points_skipped > 0);
+            skipping += usize::from(found.stats.counts.unwrap().points_skipped > 0);
         }
-        shown += usize::from(expected.stats.samples_visible > 0);
+        shown += usize::from(expected.stats.counts.unwrap().samples_visible > 0);
     }
     assert!(
         skipping > 800 && shown > 700,
@@ -544,11 +544,11 @@ fn what_is_left_out_changes_no_pixel_by_more_than_the_error() {
             by <= f64::from(error) + 2e-5,
             "seed {seed}: {by} with an error of {error}"
         );
-        assert!(adaptive.stats.samples <= regular.stats.samples);
+        assert!(adaptive.stats.counts.unwrap().samples <= regular.stats.counts.unwrap().samples);
         worst = worst.max(by / f64::from(error));
         changed += usize::from(by > 1e-4);
-        samples += adaptive.stats.samples;
-        regular_samples += regular.stats.samples;
+        samples += adaptive.stats.counts.unwrap().samples;
+        regular_samples += regular.stats.counts.unwrap().samples;
     }
     println!(
         "{samples} of {regular_samples} samples, {changed} pictures changed, by up to {worst} of the error"
@@ -567,7 +567,7 @@ proptest! {
         let regular = draw(&volume, &sampled(&plan, Sampling::Regular));
         let adaptive = draw(&volume, &sampled(&plan, Sampling::Adaptive { error: 1e-4 }));
         prop_assert!(difference(&adaptive, &regular) < 1e-5);
-        prop_assert!(adaptive.stats.samples * 4 < regular.stats.samples);
+        prop_assert!(adaptive.stats.counts.unwrap().samples * 4 < regular.stats.counts.unwrap().samples);
     }
 }
 
@@ -585,7 +585,10 @@ fn strides_that_may_show_nothing_are_the_regular_picture() {
         let regular = draw(&volume, &plan);
         let found = draw(&volume, &sampled(&plan, by_opacity(1e-9)));
         assert_eq!(found.image, regular.image, "{model}");
-        assert_eq!(found.stats.samples, regular.stats.samples);
+        assert_eq!(
+            found.stats.counts.unwrap().samples,
+            regular.stats.counts.unwrap().samples
+        );
     }
 }
 
@@ -606,7 +609,7 @@ fn strides_do_not_step_over_thin_sheets() {
     let regular = draw(&volume, &sampled(&plan, Sampling::Regular));
     let found = draw(&volume, &sampled(&plan, by_opacity(0.1)));
     assert!(difference(&found, &regular) < 2e-3);
-    assert!(found.stats.samples * 2 < regular.stats.samples);
+    assert!(found.stats.counts.unwrap().samples * 2 < regular.stats.counts.unwrap().samples);
 }
 
 /// In fog of one value a sample for several steps is exact.
@@ -626,7 +629,7 @@ fn strides_through_fog_change_nothing() {
     let found = draw(&volume, &sampled(&plan, by_opacity(0.11)));
     assert!(difference(&found, &regular) < 1e-5);
     // All but the last ones of rays stand for four.
-    assert!(found.stats.samples * 3 < regular.stats.samples);
+    assert!(found.stats.counts.unwrap().samples * 3 < regular.stats.counts.unwrap().samples);
 }
 
 /// Opaque in the middle of much fog: half the step, and longer ones in the fog.
@@ -665,11 +668,12 @@ fn strides_are_nearer_to_the_truth_with_fewer_samples() {
         let (regular_error, error) = (rms(&regular, &truth), rms(&found, &truth));
         println!(
             "{model}: {error} with {} samples, {regular_error} with {}",
-            found.stats.samples, regular.stats.samples
+            found.stats.counts.unwrap().samples,
+            regular.stats.counts.unwrap().samples
         );
         assert!(error < 0.8 * regular_error, "{model}");
         assert!(
-            found.stats.samples * 10 < regular.stats.samples * 9,
+            found.stats.counts.unwrap().samples * 10 < regular.stats.counts.unwrap().samples * 9,
             "{model}"
         );
     }
@@ -710,7 +714,9 @@ fn projections_of_long_volumes_have_the_same_bytes_with_skipping() {
                 let found = draw_with(&renderer, &plan, &Options::default());
                 let expected = draw_with(&renderer, &plan, &all);
                 assert_eq!(found.image, expected.image, "{dims:?}, {method}, {rule}");
-                assert!(found.stats.samples < expected.stats.samples);
+                assert!(
+                    found.stats.counts.unwrap().samples < expected.stats.counts.unwrap().samples
+                );
             }
         }
     }

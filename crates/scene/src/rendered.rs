@@ -1,6 +1,6 @@
-//! A picture, and what it has cost.
+//! A picture as a renderer gives it, and what it has cost.
 
-use strahl_scene::Image;
+use crate::Image;
 
 /// A picture and what it has cost.
 #[derive(Clone, Debug)]
@@ -14,9 +14,29 @@ pub struct Rendered {
     pub stats: Stats,
 }
 
-/// What a picture has cost.
+/// What a picture has cost. A renderer that does not do a thing spends 0 seconds on it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Stats {
+    /// Threads that drew; 0 on a graphics processor.
+    pub threads: usize,
+    /// Making bricks of the volumes; nothing where they were known.
+    pub bricks_seconds: f64,
+    /// Copying data to the device; almost nothing where it was there.
+    pub upload_seconds: f64,
+    /// Linking the program and making it ready to run; almost nothing for a combination of functions that was drawn
+    /// before.
+    pub link_seconds: f64,
+    /// Preparing the Plan: tables, what bricks can show, parameters.
+    pub prepare_seconds: f64,
+    /// Drawing, and copying back.
+    pub draw_seconds: f64,
+    /// What the rays have met; `None` if the renderer does not count it.
+    pub counts: Option<Counts>,
+}
+
+/// What the rays of a picture have met.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Counts {
     /// Pixels.
     pub rays: u64,
     /// Rays that had at least one lattice point.
@@ -35,12 +55,4 @@ pub struct Stats {
     pub points_skipped: u64,
     /// The length of ray that bricks left out, in mm.
     pub skipped_mm: f64,
-    /// Threads that drew.
-    pub threads: usize,
-    /// Making bricks of the volumes; nothing where they were known.
-    pub bricks_seconds: f64,
-    /// Preparing the Plan.
-    pub prepare_seconds: f64,
-    /// Drawing.
-    pub draw_seconds: f64,
 }
