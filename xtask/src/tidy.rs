@@ -7,6 +7,7 @@ mod circles;
 mod coverage;
 mod dependencies;
 mod finding;
+mod flags;
 mod glossary;
 mod lanes;
 mod links;
@@ -24,6 +25,7 @@ pub fn run(root: &Path) -> Result<bool> {
     let mut findings = dependencies::check(&dependencies::packages(root)?, &tree);
     findings.extend(circles::check(&tree));
     findings.extend(names::check(&tree));
+    findings.extend(flags::check(&tree));
     findings.extend(coverage::check(&tree));
     findings.extend(glossary::check(&tree));
     findings.extend(lanes::check(&tree));
