@@ -69,7 +69,7 @@ pub(crate) fn draw(
         Backend::Cpu => on_cpu(session, wanted, options, show, control),
         Backend::Gpu { adapter } => on_gpu(session, adapter.as_deref(), wanted, control),
         Backend::Auto => {
-            let why = match session.hardware() {
+            let why = match hardware(session) {
                 None => "there is no graphics processor".to_owned(),
                 adapter => match on_gpu(session, adapter, wanted, control) {
                     Ok(drawn) => return Ok(drawn),
@@ -164,13 +164,35 @@ fn evaluated(
     }
 }
 
+#[cfg(feature = "gpu")]
+fn hardware(session: &Session) -> Option<&str> {
+    session.devices().hardware()
+}
+
+#[cfg(not(feature = "gpu"))]
+fn hardware(_session: &Session) -> Option<&str> {
+    None
+}
+
+#[cfg(not(feature = "gpu"))]
+fn on_gpu(
+    _session: &Session,
+    _adapter: Option<&str>,
+    _wanted: &Wanted,
+    _control: &Control,
+) -> Result<Drawn, Error> {
+    Err(Error::NoGpu)
+}
+
+#[cfg(feature = "gpu")]
 fn on_gpu(
     session: &Session,
     adapter: Option<&str>,
     wanted: &Wanted,
     control: &Control,
 ) -> Result<Drawn, Error> {
-    session.on_gpu(adapter, wanted.data, control, |renderer| {
+    let devices = session.devices();
+    devices.draw(adapter, wanted.data, control, |renderer| {
         let plan = wanted.plan;
         let mut notes = Vec::new();
         let rendered = match wanted.graph {

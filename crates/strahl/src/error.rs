@@ -54,8 +54,14 @@ pub enum Error {
     #[error(transparent)]
     Evaluate(strahl_evaluate::Error),
     /// No picture was drawn on the graphics processor.
+    #[cfg(feature = "gpu")]
     #[error(transparent)]
     Gpu(strahl_gpu::Error),
+    /// The graphics processor is asked for in a build without it.
+    #[error(
+        "drawing on the graphics processor is not part of this build; build with the feature `gpu`"
+    )]
+    NoGpu,
     /// No volume is named, by the scene (of this file, if it comes from one) or beside it.
     #[error(
         "{}volume is missing; give the scene a \"volume\" with a \"path\" or a \"phantom\", or name a volume beside the scene",
@@ -135,6 +141,7 @@ impl From<strahl_evaluate::Error> for Error {
     }
 }
 
+#[cfg(feature = "gpu")]
 impl From<strahl_gpu::Error> for Error {
     fn from(error: strahl_gpu::Error) -> Error {
         match error {

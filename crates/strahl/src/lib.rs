@@ -44,9 +44,12 @@
 #![warn(missing_docs)]
 
 mod backend;
+#[cfg(feature = "gpu")]
+mod devices;
 mod error;
 mod folder;
 mod load;
+mod locked;
 mod note;
 mod output;
 mod picture;
@@ -77,6 +80,7 @@ pub use strahl_cpu as cpu;
 /// Linked programs without a graphics processor.
 pub use strahl_evaluate as evaluate;
 /// The renderer on the graphics processor.
+#[cfg(feature = "gpu")]
 pub use strahl_gpu as gpu;
 /// Graphs: rays programmed by wiring typed nodes.
 pub use strahl_graph as graph;

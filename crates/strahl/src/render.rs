@@ -11,6 +11,7 @@ use std::ops::Deref;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use strahl_cpu::Options;
+#[cfg(feature = "gpu")]
 use strahl_gpu::TextureTarget;
 use strahl_scene::{
     Background, Camera, Clip, Image, Method, Scene, Stats, TransferFunction, View, VolumeSource,
@@ -69,7 +70,7 @@ enum Source {
     Volume(Volume),
 }
 
-/// What [`Render::draw_into`] has to say of a picture that lies in a texture.
+/// What `Render::draw_into` has to say of a picture that lies in a texture.
 #[derive(Clone, Debug)]
 pub struct Shown {
     /// Exposure and tone map, which whoever shows the texture applies.
@@ -313,6 +314,7 @@ impl<'a> Render<'a> {
     /// # Errors
     /// As [`Render::picture`]; a scene with a graph; a texture that is smaller than the picture, lies on another device or
     /// cannot be drawn into.
+    #[cfg(feature = "gpu")]
     pub fn draw_into(&self, target: &TextureTarget) -> Result<Shown, Error> {
         let session = self.session();
         let data = self.data(&session)?;
@@ -322,7 +324,8 @@ impl<'a> Render<'a> {
             return Err(Error::NoGraph);
         }
         let control = &self.control;
-        let (stats, drawn_by) = session.on_gpu(None, &data.datasets(), control, |renderer| {
+        let devices = session.devices();
+        let (stats, drawn_by) = devices.draw(None, &data.datasets(), control, |renderer| {
             let adapter = renderer.device().adapter().to_string();
             let stats = renderer.render_into(&plan, target, control)?;
             Ok((stats, DrawnBy::Gpu { adapter }))

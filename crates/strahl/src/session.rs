@@ -1,16 +1,16 @@
 //! What lives from picture to picture: data, what is made of it, devices and threads.
 
 use crate::Error;
+#[cfg(feature = "gpu")]
+use crate::devices::Devices;
 use crate::load::{Seen, load_seen};
-use std::collections::BTreeMap;
+use crate::locked::locked;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, TryLockError};
-use std::time::{Duration, SystemTime};
+use std::sync::{Arc, Mutex, MutexGuard};
+use std::time::SystemTime;
 use std::{fs, io};
 use strahl_cpu::Pools;
 use strahl_evaluate::Evaluator;
-use strahl_gpu::{Device, adapters};
 use strahl_volume::read::mesh::LoadedMesh;
 use strahl_volume::read::{Loaded, ReadOptions};
 use strahl_volume::{
@@ -44,18 +44,8 @@ pub struct Session {
     store: Arc<Store>,
     pools: Pools,
     evaluator: Mutex<Evaluator>,
-    devices: Mutex<Devices>,
-    /// Part of the name of the best adapter that is no program, if there is one.
-    hardware: OnceLock<Option<String>>,
-}
-
-/// Renderers on the devices that are open, by the adapter that was asked for.
-struct Devices {
-    renderers: BTreeMap<Option<String>, strahl_gpu::Renderer>,
-    /// What somebody else opened.
-    given: Option<Device>,
-    opened: AtomicU64,
-    store: Arc<Store>,
+    #[cfg(feature = "gpu")]
+    devices: Devices,
 }
 
 impl Default for Session {
@@ -79,25 +69,16 @@ impl Session {
             files: Store::with_budget(usize::MAX),
             pools: Pools::default(),
             evaluator: Mutex::new(Evaluator::with_store(Datasets::default(), store.clone())),
-            devices: Mutex::new(Devices {
-                renderers: BTreeMap::new(),
-                given: None,
-                opened: 0.into(),
-                store: store.clone(),
-            }),
-            hardware: OnceLock::new(),
+            #[cfg(feature = "gpu")]
+            devices: Devices::new(store.clone()),
             store,
         }
     }
 
     /// Draws on `device` wherever a picture asks for a graphics processor and names none: on that of a window, say.
-    pub fn on_device(mut self, device: Device) -> Session {
-        let devices = self
-            .devices
-            .get_mut()
-            .unwrap_or_else(PoisonError::into_inner);
-        devices.given = Some(device);
-        devices.renderers.remove(&None);
+    #[cfg(feature = "gpu")]
+    pub fn on_device(mut self, device: strahl_gpu::Device) -> Session {
+        self.devices.give(device);
         self
     }
 
@@ -112,9 +93,14 @@ impl Session {
     }
 
     /// Graphics devices that were opened so far.
+    #[cfg(feature = "gpu")]
     pub fn devices_opened(&self) -> u64 {
-        let devices = self.devices.lock().unwrap_or_else(PoisonError::into_inner);
-        devices.opened.load(Ordering::Relaxed)
+        self.devices.opened()
+    }
+
+    #[cfg(feature = "gpu")]
+    pub(crate) fn devices(&self) -> &Devices {
+        &self.devices
     }
 
     /// Gives up the data, and all that was made of it, that no picture is being drawn of.
@@ -137,35 +123,6 @@ impl Session {
         control: &Control,
     ) -> Result<MutexGuard<'_, Evaluator>, Cancelled> {
         locked(&self.evaluator, control)
-    }
-
-    /// What `draw` makes with the renderer on `adapter`, drawing from `data`. A device may be lost at any time: the driver
-    /// was updated or reset. It is opened again once.
-    pub(crate) fn on_gpu<T>(
-        &self,
-        adapter: Option<&str>,
-        data: &Datasets,
-        control: &Control,
-        draw: impl Fn(&mut strahl_gpu::Renderer) -> Result<T, Error>,
-    ) -> Result<T, Error> {
-        let mut devices = locked(&self.devices, control)?;
-        let asked = adapter.map(str::to_owned);
-        match draw(devices.renderer(&asked, data)?) {
-            Err(Error::Gpu(strahl_gpu::Error::Lost(_))) if devices.can_open_again(&asked) => {
-                devices.renderers.remove(&asked);
-                draw(devices.renderer(&asked, data)?)
-            }
-            done => done,
-        }
-    }
-
-    /// The best adapter that is no program on the processor, if there is one: ours is faster.
-    pub(crate) fn hardware(&self) -> Option<&str> {
-        let best = || {
-            let found = adapters().into_iter().find(|a| !a.is_software);
-            found.map(|adapter| adapter.name)
-        };
-        self.hardware.get_or_init(best).as_deref()
     }
 
     /// The volume in `paths`, read unless it is known.
@@ -271,50 +228,6 @@ impl Session {
             self.files.remove(key);
         }
         self.files.find(key, control, read)
-    }
-}
-
-impl Devices {
-    fn renderer(
-        &mut self,
-        asked: &Option<String>,
-        data: &Datasets,
-    ) -> Result<&mut strahl_gpu::Renderer, Error> {
-        if !self.renderers.contains_key(asked) {
-            let device = match (&self.given, asked) {
-                (Some(given), None) => given.clone(),
-                _ => {
-                    self.opened.fetch_add(1, Ordering::Relaxed);
-                    Device::open(asked.as_deref())?
-                }
-            };
-            let store = self.store.clone();
-            let renderer = strahl_gpu::Renderer::with_store(&device, Datasets::default(), store);
-            self.renderers.insert(asked.clone(), renderer);
-        }
-        match self.renderers.get_mut(asked) {
-            Some(renderer) => {
-                renderer.set_data(data);
-                Ok(renderer)
-            }
-            None => unreachable!("it has just been put there"),
-        }
-    }
-
-    fn can_open_again(&self, asked: &Option<String>) -> bool {
-        asked.is_some() || self.given.is_none()
-    }
-}
-
-/// What is behind `mutex`, when nobody else uses it; whoever waits may be cancelled.
-fn locked<'m, T>(mutex: &'m Mutex<T>, control: &Control) -> Result<MutexGuard<'m, T>, Cancelled> {
-    loop {
-        control.check()?;
-        match mutex.try_lock() {
-            Ok(guard) => return Ok(guard),
-            Err(TryLockError::Poisoned(poisoned)) => return Ok(poisoned.into_inner()),
-            Err(TryLockError::WouldBlock) => std::thread::sleep(Duration::from_millis(1)),
-        }
     }
 }
 

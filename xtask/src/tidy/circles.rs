@@ -9,20 +9,13 @@ use super::tree::Tree;
 use proc_macro2::{Delimiter, Group, TokenStream, TokenTree};
 use std::collections::{BTreeMap, HashMap, HashSet, VecDeque};
 
-/// Folders of crates whose circles are known and about to be opened.
-const STILL_CLOSED: &[&str] = &["crates/strahl"];
-
 /// How many names may stand for one another before the search gives up.
 const MOST_ALIASES: usize = 16;
 
 /// Checks the files under each `src` that begin at a `lib.rs` or `main.rs`.
 pub fn check(tree: &Tree) -> Vec<Finding> {
-    let roots = tree.paths().filter(|path| {
-        let source = path
-            .strip_suffix("/src/lib.rs")
-            .or(path.strip_suffix("/src/main.rs"));
-        source.is_some_and(|folder| !STILL_CLOSED.contains(&folder))
-    });
+    let is_root = |path: &&str| path.ends_with("/src/lib.rs") || path.ends_with("/src/main.rs");
+    let roots = tree.paths().filter(is_root);
     let mut findings = Vec::new();
     for root in roots {
         match Sources::read(tree, root) {

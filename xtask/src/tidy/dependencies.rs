@@ -196,7 +196,9 @@ pub fn check(packages: &[Package], tree: &Tree) -> Vec<Finding> {
         };
         for dependency in &package.dependencies {
             let line = line_of(tree, &package.manifest, dependency);
-            if ours(dependency) && !allowed.contains(&dependency.as_str()) {
+            // Itself it names to turn features on for its tests.
+            let is_itself = *dependency == package.name;
+            if ours(dependency) && !is_itself && !allowed.contains(&dependency.as_str()) {
                 findings.push(Finding::new(
                     &package.manifest,
                     line,
