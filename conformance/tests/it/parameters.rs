@@ -54,6 +54,8 @@ pub fn random_values(
             true => parameter.default[0].clamp(lo, hi),
             false => random.between(lo, hi),
         };
+        let [lowest, highest] = parameter.range;
+        let value = value.clamp(lowest, highest);
         let value = match parameter.scalar {
             Scalar::F32 => value,
             Scalar::I32 | Scalar::U32 => value.round(),

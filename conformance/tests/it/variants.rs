@@ -541,6 +541,11 @@ pub fn any_variant(random: &mut Random, volume: &Volume) -> Plan {
         },
         Shade::GradientOpacity { full_per_mm: steep },
     ]);
+    // What belongs to no place of the ray has no surface: `resolve` refuses to light it.
+    let composite = plan.technique().composite;
+    if matches!(composite, Composite::Average | Composite::Gmip { .. }) {
+        plan.technique_mut().shade = Shade::Unlit;
+    }
     if random.once_in(4) {
         let (lo, hi) = volume.grid().bounds_mm();
         let axes = DMat3::from_diagonal((hi - lo) * 0.7);

@@ -64,7 +64,7 @@ fn of_volume(remedy: Remedy) -> String {
         Remedy::Spacing => "say --spacing X,Y,Z in mm".to_owned(),
         Remedy::AllowGaps => "--allow-gaps interpolates to even slices".to_owned(),
         Remedy::DimsAndType => "say for example --dims 256x256x128 --type u8".to_owned(),
-        Remedy::Type => "say for example --type u16".to_owned(),
+        Remedy::Type => "say the type of the samples, such as --type u16".to_owned(),
         Remedy::HeaderBytes(bytes) => {
             format!("if the file begins with a header, say --header-bytes {bytes}")
         }

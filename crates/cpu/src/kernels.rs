@@ -6,7 +6,7 @@ use crate::error::Error;
 use crate::lanes::{F32s, LANES, Vec3s, dot};
 use crate::levels::{InstructionSet, Level, Task, dispatch, vectorized};
 use crate::library::reconstruct::values;
-use crate::scenery::Object;
+use crate::scenery::{Known, Object};
 use strahl_scene::plan::Plan;
 use strahl_volume::Volume;
 
@@ -69,7 +69,7 @@ impl Task for Running<'_> {
         let samples = volume.samples();
         let rescale = plan.field().rescale;
         let values = values::<S>(volume.grid(), samples, rescale, plan.field().reconstruct);
-        let object = Object::new(plan, 0, &*values, None, &[], None, None, None, None, None);
+        let object = Object::new(plan, 0, &*values, None, &[], Known::default());
         vectorized::<S, _>(
             #[inline(always)]
             || {

@@ -19,7 +19,8 @@
 //! let plan = resolve(&scene, &volume.header(), None)?;
 //! let drawn = Renderer::new(&volume).render(&plan, &Options::default(), &Control::NONE)?;
 //! assert_eq!((drawn.image.width(), drawn.image.height()), (64, 48));
-//! assert!(drawn.stats.samples < drawn.stats.lattice_points);
+//! let counts = drawn.stats.counts.expect("this renderer counts");
+//! assert!(counts.samples < counts.lattice_points);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 

@@ -58,6 +58,7 @@ pub struct Object<'p, S: Level> {
 }
 
 /// What is known of an object, as [`Object`] has it.
+#[derive(Default)]
 pub struct Known {
     pub skip: Option<Skip>,
     pub rejection: Option<Rejection>,

@@ -178,6 +178,7 @@ impl Target {
 
     /// Draws slices of `width` × `height` pixels, blended into `start`. `at_slice` is told, before they are drawn,
     /// how many slices there are before those of the next submission.
+    #[expect(clippy::too_many_arguments, reason = "what slices are drawn with")]
     pub async fn draw_slices(
         &mut self,
         device: &Device,

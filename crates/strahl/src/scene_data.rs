@@ -2,7 +2,7 @@
 
 use crate::Error;
 use crate::folder::{Folder, file_name};
-use crate::session::{Read, Session};
+use crate::session::{ReadLabels, Session};
 use std::any::Any;
 use std::collections::BTreeMap;
 use std::fs;
@@ -12,7 +12,7 @@ use strahl_scene::{Clip, Headers, MaskClip, Scene, VolumeSource};
 use strahl_shader::{MOST_MODULE_BYTES, Module};
 use strahl_volume::read::ReadOptions;
 use strahl_volume::read::mesh::read_mesh_under;
-use strahl_volume::{Control, Datasets, Grid, LabelVolume, Mesh, Phantom, Volume};
+use strahl_volume::{Control, Datasets, Grid, Mesh, Phantom, Volume};
 
 /// Which volume is a scene's own.
 pub(crate) enum Own<'o> {
@@ -184,7 +184,7 @@ impl SceneData {
         &mut self,
         Reading { session, control }: Reading,
         path: &str,
-    ) -> Result<Arc<Read<(LabelVolume, Vec<String>)>>, Error> {
+    ) -> Result<Arc<ReadLabels>, Error> {
         let read = session.labels(path, control)?;
         let notes = read.value.1.iter().map(|note| format!("{path}: {note}"));
         self.notes.extend(notes);

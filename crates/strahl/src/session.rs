@@ -62,7 +62,7 @@ impl Session {
     }
 
     /// The same that keeps up to `budget_bytes`. The data itself does not count, nor does what is on a device, which has
-    /// a budget of its own ([`Device::with_budget`]).
+    /// a budget of its own (`Device::with_budget`).
     pub fn with_budget(budget_bytes: usize) -> Session {
         let store = Arc::new(Store::with_budget(budget_bytes));
         Session {
@@ -143,11 +143,7 @@ impl Session {
     }
 
     /// The label volume in the file `path`, with what reading it had to say.
-    pub(crate) fn labels(
-        &self,
-        path: &str,
-        control: &Control,
-    ) -> Result<Arc<Read<(LabelVolume, Vec<String>)>>, Error> {
+    pub(crate) fn labels(&self, path: &str, control: &Control) -> Result<Arc<ReadLabels>, Error> {
         let paths = [PathBuf::from(path)];
         let key = LabelsAt(States::of(&paths)?);
         self.found(&key, control, || {
@@ -237,6 +233,9 @@ pub(crate) struct Read<T> {
     seen: Vec<Seen>,
 }
 
+/// Labels, and what reading them had to say.
+pub(crate) type ReadLabels = Read<(LabelVolume, Vec<String>)>;
+
 /// Files and folders that were named, as they are now.
 #[derive(Clone, PartialEq)]
 struct States(Vec<(PathBuf, u64, Option<SystemTime>)>);
@@ -273,7 +272,7 @@ impl Key for VolumeAt {
 struct LabelsAt(States);
 
 impl Key for LabelsAt {
-    type Value = Read<(LabelVolume, Vec<String>)>;
+    type Value = ReadLabels;
 
     const NAME: &str = "labels";
 

@@ -314,8 +314,8 @@ fn reading_flags() {
     render(&[], &["a.raw", "help: say", "--dims", "--type"]);
     render(&["--dims", "2,2,1"], &["fits u16", "help: say", "--type"]);
     render(&["--dims", "3,3,3", "--type", "u8"], &["a.raw", "27", "8"]);
-    let short = ["--dims", "2,1,1", "--type", "u8"];
-    render(&short, &["a.raw", "help: ", "--header-bytes 6"]);
+    let short = ["--dims", "3,1,1", "--type", "u8"];
+    render(&short, &["a.raw", "help: ", "--header-bytes 5"]);
     render(&["--dims", "0,1,1"], &["--dims is 0,1,1", "at least 1"]);
     render(
         &["--dims", "2,2,2", "--type", "u12"],

@@ -187,8 +187,11 @@ fn a_file_is_read_again_only_if_it_has_changed() {
     assert_eq!(session.read().made, 2);
 }
 
+/// What a control has heard.
+type Heard = Arc<Mutex<Vec<(Work, f64)>>>;
+
 /// Control that ends work of this kind at once, and counts what it hears of each kind.
-fn ending(kind: Work) -> (Control, Arc<Mutex<Vec<(Work, f64)>>>) {
+fn ending(kind: Work) -> (Control, Heard) {
     let heard = Arc::new(Mutex::new(Vec::new()));
     let of_control = heard.clone();
     let control = Control::listening(move |work, share| {
