@@ -1,6 +1,7 @@
 //! Whether renderers keep docs/plan.md: against the truth, closed forms, and themselves.
 
 mod agree;
+mod cut_lattice;
 mod evaluate;
 mod extreme_volumes;
 mod goldens;

@@ -47,6 +47,16 @@ pub enum Error {
         /// What it names.
         value: String,
     },
+    /// Rays on their way belong to a picture of another size.
+    #[error(
+        "the plan has {plan:?} rays (columns, rows, frames), the states are those of {states:?}; march the states that were started for this plan"
+    )]
+    OtherRays {
+        /// Columns, rows and frames of the Plan.
+        plan: [usize; 3],
+        /// Those of the states.
+        states: [usize; 3],
+    },
     /// The option `tile` is 0.
     #[error("tile is 0; allowed: 1 and above")]
     NoTile,

@@ -2,15 +2,15 @@
 //!
 //! Rays go in packets. Every lane walks its own lattice; whatever accelerates the walk only decides
 //! which lattice points are left out. Slots are chosen once per packet step, so that free
-//! composition costs next to nothing.
+//! composition costs next to nothing. Rays can be stopped at any lattice point and go on from there.
 
 mod adaptive;
-mod backwards;
 mod counts;
-mod forwards;
+mod look_back;
 mod packet;
 mod projection;
 mod segments;
+mod through_one;
 mod through_several;
 mod through_voxels;
 
@@ -18,80 +18,109 @@ pub use counts::Counts;
 pub use packet::Seen;
 pub use projection::OfRuns;
 
-use crate::lanes::{F32s, each};
-use crate::levels::Level;
-use crate::library::composite::state::State;
-use crate::library::composite::{maximum, minimum};
+use crate::lanes::LANES;
+use crate::levels::{Level, Portable, vectorized};
+use crate::library::composite::{Rule, with_rule};
 use crate::ray_packet::RayPacket;
+use crate::ray_state::RayState;
 use crate::scenery::{Object, Scenery};
 use crate::skip::Skip;
 use packet::Packet;
 use segments::{Inside, Shown};
-use strahl_scene::plan::{Composite, Sampling};
+use std::ops::Range;
+use strahl_scene::plan::{Composite, Plan, Sampling};
 
 impl<S: Level> Scenery<'_, S> {
     /// What a packet of rays sees.
     #[inline(always)]
     pub fn march(&self, rays: &RayPacket<S>, of_runs: &mut OfRuns<S>, counts: &mut Counts) -> Seen {
-        let mut packet = Packet {
-            scenery: self,
-            rays,
-            to_eye: each!(rays.direction, |d| -d),
-            state: State::start(match self.composite {
-                Composite::Mip => maximum::START,
-                Composite::Minip => minimum::START,
-                _ => 0.0,
-            }),
-            sampled: F32s::zero(),
-            visible: F32s::zero(),
-            skipped: F32s::zero(),
-        };
-        let walked = match (self.objects.as_slice(), self.composite) {
-            ([object], Composite::EmissionAbsorption { .. }) => packet.by_rule(object),
-            ([object], Composite::FirstHit { .. }) => packet.at_lattice_points(object),
-            ([object], Composite::BackToFront) => packet.backwards(object),
-            ([object], _) => match object.skip.as_ref().and_then(Skip::bounds) {
-                Some(bounds) => {
-                    packet.project(object, bounds, of_runs);
-                    rays.count
-                }
-                None => packet.forwards(object),
-            },
-            (_, Composite::BackToFront) => packet.backwards_through_several(),
-            _ => packet.forwards_through_several(),
-        };
-        if let ([object], Sampling::Refine { parts }, Composite::Mip | Composite::Minip) =
-            (self.objects.as_slice(), self.plan.sampling, self.composite)
-        {
-            packet.refine_projection(object, parts);
+        let mut packet = Packet::new(self, rays);
+        match (self.objects.as_slice(), self.composite) {
+            // All of the lattice at once: where extreme values are likely first.
+            ([object], Composite::Mip | Composite::Minip)
+                if let Some(bounds) = object.skip.as_ref().and_then(Skip::bounds) =>
+            {
+                packet.project(object, bounds, of_runs);
+            }
+            _ => packet.advance(),
         }
-        let in_volume = F32s::zero().lt(rays.count);
-        counts.points += sum(rays.count);
-        counts.samples += sum(packet.sampled);
-        counts.visible += sum(packet.visible);
-        counts.skipped += sum(packet.skipped);
-        counts.rays_in_volume += in_volume.count();
-        counts.ended_early += (in_volume & walked.lt(rays.count)).count();
+        packet.end(counts);
+        packet.finish()
+    }
+
+    /// Moves those rays of a packet on that stand at a lattice point of `interval`, until they stand behind it.
+    #[inline(never)]
+    pub fn march_through(
+        &self,
+        rays: &RayPacket<S>,
+        interval: &Range<u32>,
+        states: &mut [RayState; LANES],
+    ) {
+        vectorized::<S, _>(
+            #[inline(always)]
+            || {
+                let mut packet = Packet::new(self, rays);
+                packet.resume(states, interval);
+                packet.advance();
+                packet.store(states);
+            },
+        );
+    }
+
+    /// What a packet of rays has seen that have come as far as `states` say.
+    #[inline(always)]
+    pub fn seen(
+        &self,
+        rays: &RayPacket<S>,
+        states: &[RayState; LANES],
+        counts: &mut Counts,
+    ) -> Seen {
+        let mut packet = Packet::new(self, rays);
+        packet.resume(states, &(0..0));
+        packet.end(counts);
         packet.finish()
     }
 }
 
+/// A ray of `plan` before its first lattice point.
+pub fn start(plan: &Plan) -> RayState {
+    let composite = plan.technique().composite;
+    let state = with_rule!(composite, rule => rule.start::<Portable>());
+    RayState {
+        value: state.value.lane(0),
+        ..RayState::default()
+    }
+}
+
 impl<S: Level> Packet<'_, S> {
+    /// Goes on by the loop of the Plan.
+    #[inline(always)]
+    fn advance(&mut self) {
+        match self.scenery.objects.as_slice() {
+            [object] => match self.scenery.composite {
+                Composite::EmissionAbsorption { .. } => self.by_rule(object),
+                Composite::FirstHit { .. } => self.at_lattice_points(object),
+                _ => self.through_one(object),
+            },
+            _ => self.through_several(),
+        }
+    }
+
     /// Front to back through one volume by the Plan's rule of sampling.
     #[inline(always)]
-    fn by_rule(&mut self, object: &Object<S>) -> F32s<S> {
+    fn by_rule(&mut self, object: &Object<S>) {
         match self.scenery.plan.sampling {
             Sampling::Regular | Sampling::ByOpacity { .. } => self.at_lattice_points(object),
             Sampling::Refine { parts } => {
-                self.by_segments(object, Shown::InParts(parts, Inside::Reconstructed))
+                self.by_segments(object, Shown::InParts(parts, Inside::Reconstructed));
             }
             Sampling::Split { parts, curve } => {
-                self.by_segments(object, Shown::InParts(parts, Inside::Between(curve)))
+                self.by_segments(object, Shown::InParts(parts, Inside::Between(curve)));
             }
             Sampling::Integrated => {
                 let integrals = object.integrals.as_ref();
                 let integrals = integrals.expect("objects have them where the rule asks");
-                self.by_segments(object, Shown::AsIntegrals(integrals))
+                self.by_segments(object, Shown::AsIntegrals(integrals));
             }
             Sampling::Adaptive { .. } => self.by_runs(object),
         }
@@ -99,17 +128,10 @@ impl<S: Level> Packet<'_, S> {
 
     /// Front to back through one volume, by the loop of its type of sample if there is one.
     #[inline(always)]
-    fn at_lattice_points(&mut self, object: &Object<S>) -> F32s<S> {
+    fn at_lattice_points(&mut self, object: &Object<S>) {
         match object.stored_for(self.scenery.composite, &self.scenery.shading) {
             Some(stored) if S::HAS_LOOPS_PER_TYPE => self.through_voxels(object, stored),
-            _ => self.forwards(object),
+            _ => self.through_one(object),
         }
     }
-}
-
-/// Each lane is a whole number of at most 2^24, exact in f32.
-#[inline(always)]
-fn sum<S: Level>(numbers: F32s<S>) -> u64 {
-    let numbers = numbers.to_i32s().to_array();
-    numbers.iter().map(|&number| number as u64).sum()
 }

@@ -6,6 +6,7 @@ use crate::error::Error;
 use crate::even::EvenCubes;
 use crate::levels::Level;
 use crate::library::classify::Integrals;
+use crate::library::composite::{Rule, with_rule};
 use crate::library::fetch::{MarschnerLobb, Noise, Shape};
 use crate::library::jitter::Jitters;
 use crate::library::reconstruct::{Values, of_fetch, values};
@@ -184,6 +185,7 @@ impl Reading {
             false => None,
         };
         let rejection = self.of_cubic.as_ref().filter(|_| skips);
+        let sees = with_rule!(plan.technique_of(layer).composite, rule => rule.sees());
         // Both need what is beside a voxel to have a value: bricks side by side have one in common then.
         let is_whole = plan.sampling == Sampling::Regular || self.is_whole(making)?;
         let even = match is_whole {
@@ -192,8 +194,9 @@ impl Reading {
         };
         Ok(Known {
             skip: skip.filter(|_| is_whole || !plan.sampling.is_of_segments()),
-            rejection: rejection
-                .and_then(|of_cubic| Rejection::new(of_cubic, plan, layer, self.source.rescale)),
+            rejection: rejection.and_then(|of_cubic| {
+                Rejection::new(of_cubic, plan, layer, self.source.rescale, sees)
+            }),
             even,
             strides: Strides::new(making, &contribution, bricks, of, clipped)?,
             integrals: Integrals::of_plan(making, plan, layer)?,

@@ -2,7 +2,7 @@
 
 use crate::doubles::{F64s, Mask64};
 use crate::lanes::{F32s, LANES, PACKET, Vec3s, each, lanes};
-use crate::levels::{Level, inlined};
+use crate::levels::{Level, inlined, vectorized};
 use crate::library::clip_ray;
 use crate::library::jitter::Jitters;
 use crate::line::{Line, MAX_POINTS};
@@ -56,10 +56,25 @@ impl<S: Level> RayPacket<S> {
         }
     }
 
-    /// Becomes the rays of the block of pixels with its corner at column `x0`, row `y0` of `raster`, as far as
-    /// it lies left of column `x_end` and above row `y_end` of it, in picture number `frame`.
-    #[inline(always)]
+    /// Becomes the rays of the block of pixels with its `corner` at this column and row of `raster`, as far as
+    /// it lies left of and above those of `end`, in picture number `frame`.
+    #[inline(never)]
     pub fn aim(
+        &mut self,
+        scenery: &Scenery<S>,
+        raster: Raster,
+        corner: [u32; 2],
+        end: [u32; 2],
+        frame: u32,
+    ) {
+        vectorized::<S, _>(
+            #[inline(always)]
+            || self.aim_here(scenery, raster, corner, end, frame),
+        );
+    }
+
+    #[inline(always)]
+    fn aim_here(
         &mut self,
         scenery: &Scenery<S>,
         raster: Raster,

@@ -190,7 +190,7 @@ impl Canvas<'_> {
         let plan = scenery.plan;
         let width = plan.width as usize;
         for raster in rasters {
-            let drawn = tiles::draw(scenery, *raster, self.tile, &self.parts)?;
+            let drawn = tiles::draw(scenery, *raster, self.tile, None, &self.parts)?;
             let [columns, _] = raster.size(plan);
             let place = |i: usize| {
                 let along = |n: usize, axis: usize| {

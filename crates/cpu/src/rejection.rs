@@ -10,11 +10,12 @@ use crate::brick_number::{EDGE, brick_number};
 use crate::lanes::{F32s, I32s, Mask, Vec3s, words};
 use crate::levels::{Level, inlined, vectorized};
 use crate::library::classify::Between;
+use crate::library::composite::sees::Sees;
 use crate::library::reconstruct::Values;
 use crate::making::Making;
 use crate::skip::rounded_up;
 use std::sync::Arc;
-use strahl_scene::plan::{Classify, Composite, Fetch, Plan, Reconstruct};
+use strahl_scene::plan::{Classify, Fetch, Plan, Reconstruct};
 use strahl_volume::bends::bends_under;
 use strahl_volume::bricks::{BrickRange, Bricks, BricksOf};
 use strahl_volume::{Cancelled, ContentId, Key, Rescale, Volume};
@@ -117,6 +118,7 @@ impl Rejection {
         plan: &Plan,
         layer: usize,
         rescale: Rescale,
+        sees: Sees,
     ) -> Option<Rejection> {
         let bends = Option::as_ref(&of_cubic.bends)?;
         let (field, technique) = (plan.field_of(layer), plan.technique_of(layer));
@@ -136,16 +138,14 @@ impl Rejection {
             }
             Reconstruct::Nearest | Reconstruct::Trilinear => return None,
         };
-        let seen = match (technique.composite, technique.classify) {
+        let seen = match sees {
             // This one does not classify values at samples.
-            (Composite::EmissionAbsorption { .. }, Classify::PreClassified) => return None,
-            (Composite::EmissionAbsorption { .. }, classify) => {
-                Seen::Shown(Between::new(classify, &technique.table))
-            }
-            (Composite::FirstHit { threshold }, _) => Seen::From(threshold),
-            (Composite::Mip, _) => Seen::Larger,
-            (Composite::Minip, _) => Seen::Smaller,
-            _ => return None,
+            Sees::Shown if technique.classify == Classify::PreClassified => return None,
+            Sees::Shown => Seen::Shown(Between::new(technique.classify, &technique.table)),
+            Sees::From(threshold) => Seen::From(threshold),
+            Sees::Larger => Seen::Larger,
+            Sees::Smaller => Seen::Smaller,
+            Sees::Every => return None,
         };
         let slope = rescale.slope as f32;
         let scaled = |multiples: [f32; 2]| multiples.map(|multiple| multiple * slope.abs());
@@ -213,8 +213,10 @@ mod tests {
     use super::*;
     use crate::lanes::lanes;
     use crate::levels::Portable;
+    use crate::library::composite::{Rule, with_rule};
     use crate::library::reconstruct::values;
     use proptest::prelude::*;
+    use strahl_scene::plan::Composite;
     use strahl_scene::{Scene, resolve};
     use strahl_volume::{Control, Grid, Metadata, Samples, Store};
 
@@ -270,7 +272,8 @@ mod tests {
                 Composite::Minip,
             ] {
                 plan.technique_mut().composite = composite;
-                let rejection = Rejection::new(&of_cubic, &plan, 0, read.rescale()).unwrap();
+                let sees = with_rule!(composite, rule => rule.sees());
+                let rejection = Rejection::new(&of_cubic, &plan, 0, read.rescale(), sees).unwrap();
                 let so_far = F32s::splat(threshold);
                 let seen = yes(rejection.may_be_seen(&*values, position, so_far, all));
                 let is_seen = match composite {

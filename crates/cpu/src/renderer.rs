@@ -141,7 +141,7 @@ impl Drawing<'_> {
         let drawn = self.prepared.with_scenery::<S, _>(plan, |scenery| {
             let tiles = Raster::ALL.tiles(plan, edge);
             let parts = self.control.parts(Work::Drawing, tiles);
-            tiles::draw(scenery, Raster::ALL, edge, &parts)
+            tiles::draw(scenery, Raster::ALL, edge, None, &parts)
         })?;
         let image = Image::from_pixels(plan.width, plan.height, drawn.pixels);
         Ok(Rendered {

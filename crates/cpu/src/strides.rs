@@ -43,9 +43,9 @@ impl Strides {
         }))
     }
 
-    /// Those along rays.
+    /// Those along rays; `last_alpha` is that of [`StridesAlong`], 0 before the first lattice point.
     #[inline(always)]
-    pub fn along<S: Level>(&self, line: &Line<S>) -> StridesAlong<'_, S> {
+    pub fn along<S: Level>(&self, line: &Line<S>, last_alpha: F32s<S>) -> StridesAlong<'_, S> {
         // A little less than the edge: positions are rounded.
         let most = F32s::splat(0.99 * EDGE as f32);
         let [x, y, z] = each!(line.step_in_voxel, |step| step.abs());
@@ -58,7 +58,7 @@ impl Strides {
         StridesAlong {
             strides: self,
             longest,
-            last_alpha: F32s::zero(),
+            last_alpha,
         }
     }
 }
@@ -69,7 +69,7 @@ pub struct StridesAlong<'s, S: Level> {
     /// That stays within the bricks around that of the sample: of more nothing is known.
     longest: F32s<S>,
     /// In front of the sample before, where its brick may show something.
-    last_alpha: F32s<S>,
+    pub last_alpha: F32s<S>,
 }
 
 impl<S: Level> StridesAlong<'_, S> {

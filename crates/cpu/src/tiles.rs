@@ -6,8 +6,11 @@ use crate::levels::{Level, vectorized};
 use crate::march::{Counts, OfRuns};
 use crate::raster::Raster;
 use crate::ray_packet::RayPacket;
+use crate::ray_state::RayState;
+use crate::ray_states::RayStates;
 use crate::scenery::Scenery;
 use rayon::prelude::*;
+use std::ops::Range;
 use strahl_volume::Parts;
 
 /// What the pixels of a raster hold before its colours are made linear.
@@ -21,18 +24,20 @@ pub struct Drawn {
 
 /// A rectangle of the picture that one task draws: its rows, each a part of a row of the picture.
 struct Tile<'i> {
-    x: u32,
-    y: u32,
+    /// Column and row of the picture where it begins.
+    corner: [usize; 2],
     rows: Vec<&'i mut [[f32; 4]]>,
     depth_rows: Vec<&'i mut [f32]>,
 }
 
-/// Draws the pixels of `raster` in the current thread pool. Each pixel depends on its own ray only, so that
-/// neither the size of tiles nor their order nor the number of threads can change one. Every tile is one of `parts`.
+/// Draws the pixels of `raster` in the current thread pool; with `states`, of rays that have come as far as they say. Each
+/// pixel depends on its own ray only, so that neither the size of tiles nor their order nor the number of threads can
+/// change one. Every tile is one of `parts`.
 pub fn draw<S: Level>(
     scenery: &Scenery<S>,
     raster: Raster,
     edge: u32,
+    states: Option<&RayStates>,
     parts: &Parts,
 ) -> Result<Drawn, Error> {
     let plan = scenery.plan;
@@ -50,22 +55,20 @@ pub fn draw<S: Level>(
     } else {
         Vec::new()
     };
-    let tiles = tiles(&mut pixels, &mut depth_mm, width, edge as usize);
-    let counts = tiles
-        .into_par_iter()
-        // Tiles differ by far in what they cost: whoever is done first must find one that is left.
-        .with_max_len(1)
-        .map(|tile| {
-            let counts = vectorized::<S, _>(
-                #[inline(always)]
-                || draw_tile(scenery, raster, tile, parts),
-            );
-            parts.done(1)?;
-            Ok(counts)
-        })
-        .try_reduce(Counts::default, |one, other| {
-            Ok::<_, Error>(one.plus(other))
-        })?;
+    let edges = [edge as usize; 2];
+    let mut depth_rows = rectangles(&mut depth_mm, width, edges).into_iter();
+    let tiles = rectangles(&mut pixels, width, edges).into_iter();
+    let tiles = tiles.map(|(corner, rows)| Tile {
+        corner,
+        rows,
+        depth_rows: depth_rows.next().map_or(Vec::new(), |(_, rows)| rows),
+    });
+    let counts = for_all(tiles.collect(), parts, |tile| {
+        vectorized::<S, _>(
+            #[inline(always)]
+            || draw_tile(scenery, raster, states, tile, parts),
+        )
+    })?;
     Ok(Drawn {
         pixels,
         depth_mm,
@@ -73,61 +76,97 @@ pub fn draw<S: Level>(
     })
 }
 
-fn tiles<'i>(
-    pixels: &'i mut [[f32; 4]],
-    depth_mm: &'i mut [f32],
+/// Moves the rays `states` through `interval` of the lattice. Every tile is one of `parts`.
+pub fn march<S: Level>(
+    scenery: &Scenery<S>,
+    interval: &Range<u32>,
+    edge: u32,
+    states: &mut RayStates,
+    parts: &Parts,
+) -> Result<(), Error> {
+    let [width, _] = Raster::ALL.size(scenery.plan);
+    let frames = states.frames();
+    let edges = [edge as usize * frames, edge as usize];
+    let tiles = rectangles(states.states_mut(), width * frames, edges);
+    for_all(tiles, parts, |([x, y], mut rows)| {
+        march_tile(scenery, interval, [x / frames, y], &mut rows, parts);
+        Counts::default()
+    })?;
+    Ok(())
+}
+
+/// What `draw` counts of all tiles.
+fn for_all<T: Send>(
+    tiles: Vec<T>,
+    parts: &Parts,
+    draw: impl Fn(T) -> Counts + Sync,
+) -> Result<Counts, Error> {
+    tiles
+        .into_par_iter()
+        // Tiles differ by far in what they cost: whoever is done first must find one that is left.
+        .with_max_len(1)
+        .map(|tile| {
+            let counts = draw(tile);
+            parts.done(1)?;
+            Ok(counts)
+        })
+        .try_reduce(Counts::default, |one, other| Ok(one.plus(other)))
+}
+
+/// Cells of a picture, row by row with `width` each, cut into rectangles of `edges` cells, each with its corner.
+fn rectangles<T>(
+    cells: &mut [T],
     width: usize,
-    edge: usize,
-) -> Vec<Tile<'i>> {
-    let mut tiles = Vec::new();
-    let mut depth_rows = depth_mm.chunks_mut(width);
-    for (band, rows) in pixels.chunks_mut(width * edge).enumerate() {
-        let first = tiles.len();
-        for column in 0..width.div_ceil(edge) {
-            tiles.push(Tile {
-                x: (column * edge) as u32,
-                y: (band * edge) as u32,
-                rows: Vec::with_capacity(edge),
-                depth_rows: Vec::new(),
-            });
+    edges: [usize; 2],
+) -> Vec<([usize; 2], Vec<&mut [T]>)> {
+    let mut all = Vec::new();
+    for (band, rows) in cells.chunks_mut(width * edges[1]).enumerate() {
+        let first = all.len();
+        for column in 0..width.div_ceil(edges[0]) {
+            let corner = [column * edges[0], band * edges[1]];
+            all.push((corner, Vec::with_capacity(edges[1])));
         }
         for row in rows.chunks_mut(width) {
-            for (tile, part) in tiles[first..].iter_mut().zip(row.chunks_mut(edge)) {
-                tile.rows.push(part);
-            }
-            if let Some(depth_row) = depth_rows.next() {
-                for (tile, part) in tiles[first..].iter_mut().zip(depth_row.chunks_mut(edge)) {
-                    tile.depth_rows.push(part);
-                }
+            for ((_, rows), part) in all[first..].iter_mut().zip(row.chunks_mut(edges[0])) {
+                rows.push(part);
             }
         }
     }
-    tiles
+    all
 }
 
 #[inline(always)]
 fn draw_tile<S: Level>(
     scenery: &Scenery<S>,
     raster: Raster,
+    states: Option<&RayStates>,
     mut tile: Tile,
     parts: &Parts,
 ) -> Counts {
     let mut counts = Counts::default();
     let mut rays = RayPacket::empty(scenery.objects.len());
     let mut of_runs = OfRuns::none();
-    let (width, height) = (tile.rows[0].len() as u32, tile.rows.len() as u32);
-    let end = [tile.x + width, tile.y + height];
+    let (width, height) = (tile.rows[0].len(), tile.rows.len());
+    let [x0, y0] = tile.corner;
+    let end = [(x0 + width) as u32, (y0 + height) as u32];
     let frames = scenery.plan.lattice.frames;
     let mut sums = [[0.0f64; 4]; LANES];
     for y in (0..height).step_by(PACKET[1]) {
         for x in (0..width).step_by(PACKET[0]) {
-            let place = [x as usize, y as usize];
+            let place = [x, y];
+            let corner = [(x0 + x) as u32, (y0 + y) as u32];
             for frame in 0..frames {
                 if parts.is_cancelled() {
                     return counts;
                 }
-                rays.aim(scenery, raster, [tile.x + x, tile.y + y], end, frame);
-                let seen = scenery.march(&rays, &mut of_runs, &mut counts);
+                rays.aim(scenery, raster, corner, end, frame);
+                let seen = match states {
+                    None => scenery.march(&rays, &mut of_runs, &mut counts),
+                    Some(states) => {
+                        let states = states.of_packet(corner, end, frame);
+                        scenery.seen(&rays, &states, &mut counts)
+                    }
+                };
                 if frame == 0 && !tile.depth_rows.is_empty() {
                     write(&seen.depth_mm, &mut tile.depth_rows, place);
                 }
@@ -149,6 +188,44 @@ fn draw_tile<S: Level>(
         }
     }
     counts
+}
+
+/// Moves the rays of a tile, of which each row has those of all frames of a pixel beside one another.
+fn march_tile<S: Level>(
+    scenery: &Scenery<S>,
+    interval: &Range<u32>,
+    [x0, y0]: [usize; 2],
+    rows: &mut [&mut [RayState]],
+    parts: &Parts,
+) {
+    let frames = scenery.plan.lattice.frames as usize;
+    let mut rays = RayPacket::empty(scenery.objects.len());
+    let (width, height) = (rows[0].len() / frames, rows.len());
+    let end = [(x0 + width) as u32, (y0 + height) as u32];
+    for y in (0..height).step_by(PACKET[1]) {
+        for x in (0..width).step_by(PACKET[0]) {
+            let corner = [(x0 + x) as u32, (y0 + y) as u32];
+            let (columns, lines) = (PACKET[0].min(width - x), PACKET[1].min(height - y));
+            for frame in 0..frames {
+                if parts.is_cancelled() {
+                    return;
+                }
+                rays.aim(scenery, Raster::ALL, corner, end, frame as u32);
+                let mut states = [RayState::default(); LANES];
+                for (row, states) in rows[y..y + lines].iter().zip(states.chunks_mut(PACKET[0])) {
+                    for (column, state) in states[..columns].iter_mut().enumerate() {
+                        *state = row[(x + column) * frames + frame];
+                    }
+                }
+                scenery.march_through(&rays, interval, &mut states);
+                for (row, states) in rows[y..y + lines].iter_mut().zip(states.chunks(PACKET[0])) {
+                    for (column, state) in states[..columns].iter().enumerate() {
+                        row[(x + column) * frames + frame] = *state;
+                    }
+                }
+            }
+        }
+    }
 }
 
 /// Writes the lanes of a packet to the rows of a tile, as far as they lie in it.

@@ -12,27 +12,26 @@ use crate::library::composite::emission_absorption;
 use crate::scenery::Object;
 
 impl<S: Level> Packet<'_, S> {
-    /// Front to back through one volume by runs of lattice points; how many each ray has walked.
+    /// Front to back through one volume by runs of lattice points.
     #[inline(never)]
-    pub(super) fn by_runs(&mut self, object: &Object<S>) -> F32s<S> {
+    pub(super) fn by_runs(&mut self, object: &Object<S>) {
         vectorized::<S, _>(
             #[inline(always)]
             || self.by_runs_here(object),
-        )
+        );
     }
 
     #[inline(always)]
-    fn by_runs_here(&mut self, object: &Object<S>) -> F32s<S> {
+    fn by_runs_here(&mut self, object: &Object<S>) {
         let (rays, line) = (self.rays, &self.rays.lines[0]);
         let (zero, one) = (F32s::zero(), F32s::splat(1.0));
         let shape = object.values.shape();
-        let mut k = zero;
-        let mut live = k.lt(rays.count);
+        let (mut k, end, mut live) = self.stand();
         while live.any() {
             let position = line.position(k + rays.jitter);
             if let Some(next) = self.behind_nothing(object, position, k, live) {
                 k = next;
-                live = live & k.lt(rays.count);
+                live = live & k.lt(end);
                 continue;
             }
             let run = match &object.even {
@@ -54,9 +53,9 @@ impl<S: Level> Packet<'_, S> {
                 }
             }
             k = live.select(k + run, k);
-            live = live & k.lt(rays.count) & !self.done();
+            live = live & k.lt(end) & !self.done();
         }
-        k
+        self.k = k;
     }
 
     /// How many of the `run` lattice points from `k` on are not clipped.

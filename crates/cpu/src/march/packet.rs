@@ -1,17 +1,16 @@
 //! A packet of rays on its way, and what every loop does at a lattice point.
 
-use crate::doubles::F64s;
-use crate::lanes::{F32s, LANES, Mask, Vec3s, each, lanes, length, to_rows, unit};
+use super::counts::Counts;
+use super::look_back::LookBack;
+use crate::lanes::{F32s, LANES, Mask, Vec3s, each, lanes, to_rows};
 use crate::levels::{Level, inlined, vectorized};
-use crate::library::classify::Surface;
-use crate::library::composite::state::State;
-use crate::library::composite::{
-    average, debug, emission_absorption, first_hit, maximum, mida, minimum,
-};
-use crate::line::Line;
+use crate::library::composite::{Crossing, Rule, Sample, State, with_rule};
+use crate::line::{MAX_POINTS, NEVER};
 use crate::ray_packet::RayPacket;
+use crate::ray_state::{NUMBERS, RayState};
 use crate::scenery::{Look, Object, Scenery};
-use strahl_scene::plan::{Composite, DebugView, Shade};
+use std::ops::Range;
+use strahl_scene::plan::Sampling;
 
 /// What a packet of rays sees.
 pub struct Seen {
@@ -27,12 +26,171 @@ pub(super) struct Packet<'s, S: Level> {
     pub(super) rays: &'s RayPacket<S>,
     pub(super) to_eye: Vec3s<S>,
     pub(super) state: State<S>,
+    /// Number of lattice points behind each ray, in the order in which the rule goes: where it stands.
+    pub(super) k: F32s<S>,
+    /// It moves from there on …
+    pub(super) begin: F32s<S>,
+    /// … to here.
+    pub(super) end: F32s<S>,
+    /// See [`StridesAlong::last_alpha`](crate::strides::StridesAlong::last_alpha).
+    pub(super) last_alpha: F32s<S>,
+    pub(super) look_back: LookBack<S>,
     pub(super) sampled: F32s<S>,
     pub(super) visible: F32s<S>,
     pub(super) skipped: F32s<S>,
 }
 
-impl<S: Level> Packet<'_, S> {
+impl<'s, S: Level> Packet<'s, S> {
+    /// Rays before their first lattice point, to be moved to their ends.
+    #[inline(always)]
+    pub(super) fn new(scenery: &'s Scenery<'s, S>, rays: &'s RayPacket<S>) -> Packet<'s, S> {
+        Packet {
+            scenery,
+            rays,
+            to_eye: each!(rays.direction, |d| -d),
+            state: with_rule!(scenery.composite, rule => rule.start()),
+            k: F32s::zero(),
+            begin: F32s::zero(),
+            end: F32s::splat(NEVER),
+            last_alpha: F32s::zero(),
+            look_back: LookBack::none(),
+            sampled: F32s::zero(),
+            visible: F32s::zero(),
+            skipped: F32s::zero(),
+        }
+    }
+
+    /// Becomes rays that have come as far as `states` say, to be moved through `interval` of the lattice.
+    #[inline(never)]
+    pub(super) fn resume(&mut self, states: &[RayState; LANES], interval: &Range<u32>) {
+        vectorized::<S, _>(
+            #[inline(always)]
+            || {
+                let mut columns = [[0.0; LANES]; NUMBERS];
+                for (lane, state) in states.iter().enumerate() {
+                    for (column, number) in columns.iter_mut().zip(state.numbers()) {
+                        column[lane] = number;
+                    }
+                }
+                for (number, column) in self.numbers().into_iter().zip(columns) {
+                    *number = F32s::from_array(column);
+                }
+                let [begin, end] = [interval.start, interval.end].map(|k| {
+                    let is_on_ray = f64::from(k) <= MAX_POINTS;
+                    F32s::splat(if is_on_ray { k as f32 } else { NEVER })
+                });
+                let is_back_to_front =
+                    with_rule!(self.scenery.composite, rule => rule.is_back_to_front());
+                [self.begin, self.end] = if is_back_to_front {
+                    let count = self.rays.count;
+                    [(count - end).max(F32s::zero()), count - begin]
+                } else {
+                    [begin, end]
+                };
+            },
+        );
+    }
+
+    /// Writes down how far the rays have come.
+    #[inline(never)]
+    pub(super) fn store(&mut self, states: &mut [RayState; LANES]) {
+        vectorized::<S, _>(
+            #[inline(always)]
+            || {
+                let mut rows = [[0.0; NUMBERS]; LANES];
+                for (i, number) in self.numbers().into_iter().enumerate() {
+                    for (row, number) in rows.iter_mut().zip(number.to_array()) {
+                        row[i] = number;
+                    }
+                }
+                for (state, row) in states.iter_mut().zip(rows) {
+                    *state = RayState::from_numbers(row);
+                }
+            },
+        );
+    }
+
+    /// In the order of [`RayState::numbers`].
+    #[inline(always)]
+    fn numbers(&mut self) -> [&mut F32s<S>; NUMBERS] {
+        let State {
+            colour: [r, g, b],
+            alpha,
+            value,
+            place,
+            lost,
+            number,
+            last_normal: [nx, ny, nz],
+        } = &mut self.state;
+        let LookBack {
+            values: [before, begin, end],
+            gradient: [gx, gy, gz],
+            known,
+        } = &mut self.look_back;
+        [
+            &mut self.k,
+            r,
+            g,
+            b,
+            alpha,
+            value,
+            place,
+            lost,
+            number,
+            nx,
+            ny,
+            nz,
+            &mut self.last_alpha,
+            before,
+            begin,
+            end,
+            gx,
+            gy,
+            gz,
+            known,
+            &mut self.sampled,
+            &mut self.visible,
+            &mut self.skipped,
+        ]
+    }
+
+    /// Where the rays stand, where they stop, and which of them move.
+    #[inline(always)]
+    pub(super) fn stand(&self) -> (F32s<S>, F32s<S>, Mask<S>) {
+        let end = self.end.min(self.rays.count);
+        let live = self.begin.le(self.k) & self.k.lt(end) & !self.done();
+        (self.k, end, live)
+    }
+
+    /// Looks for what rules of sampling look for when the ray has ended, and counts what all has cost.
+    #[inline(never)]
+    pub(super) fn end(&mut self, counts: &mut Counts) {
+        vectorized::<S, _>(
+            #[inline(always)]
+            || self.end_here(counts),
+        );
+    }
+
+    #[inline(always)]
+    fn end_here(&mut self, counts: &mut Counts) {
+        let sees = with_rule!(self.scenery.composite, rule => rule.sees());
+        if let ([object], Sampling::Refine { parts }, true) = (
+            self.scenery.objects.as_slice(),
+            self.scenery.plan.sampling,
+            sees.is_extreme(),
+        ) {
+            self.refine_projection(object, parts);
+        }
+        let count = self.rays.count;
+        let in_volume = F32s::zero().lt(count);
+        counts.points += sum(count);
+        counts.samples += sum(self.sampled);
+        counts.visible += sum(self.visible);
+        counts.skipped += sum(self.skipped);
+        counts.rays_in_volume += in_volume.count();
+        counts.ended_early += (in_volume & self.k.lt(count)).count();
+    }
+
     /// The lattice points behind those that show nothing for certain, for rays of `live` that are at such; `None` if no ray
     /// is. The others wait, so that sampling happens for as many rays as possible.
     #[inline(always)]
@@ -124,49 +282,23 @@ impl<S: Level> Packet<'_, S> {
         value: F32s<S>,
         stride: F32s<S>,
     ) -> Mask<S> {
-        let place = k + self.rays.jitter;
-        match self.scenery.composite {
-            Composite::EmissionAbsorption { .. } | Composite::BackToFront => {
-                let look = self.classified(object, value, position, sampled);
-                let Surface { colour, opacity } = look.surface;
-                let opacity = object.of_stride(opacity, stride);
-                emission_absorption::add(&mut self.state, look.visible, colour, opacity);
-                look.visible
-            }
-            Composite::Mida {
-                low, high, blend, ..
-            } => {
-                mida::fade(&mut self.state, sampled, value, low, high, blend);
-                let look = self.classified(object, value, position, sampled);
-                let Surface { colour, opacity } = look.surface;
-                mida::add(&mut self.state, look.visible, colour, opacity);
-                look.visible
-            }
-            Composite::Mip => {
-                maximum::add(&mut self.state, sampled, value, place);
-                sampled
-            }
-            Composite::Minip => {
-                minimum::add(&mut self.state, sampled, value, place);
-                sampled
-            }
-            Composite::Average => {
-                average::add(&mut self.state, sampled, value);
-                self.state.place = sampled.select(place, self.state.place);
-                sampled
-            }
-            Composite::Gmip { .. } => {
-                let steep = length(object.gradient(position, sampled));
-                maximum::add(&mut self.state, sampled, steep, place);
-                sampled
-            }
-            Composite::FirstHit { threshold } => {
-                self.meet(F32s::splat(threshold), k, value, sampled)
-            }
-            Composite::Debug(view) => self.inspect(view, object, place, position, sampled, value),
-        }
+        let sample = Sample {
+            crossing: Crossing {
+                scenery: self.scenery,
+                packet: self.rays,
+                to_eye: &self.to_eye,
+            },
+            object,
+            k,
+            stride,
+            position,
+            value,
+            sampled,
+        };
+        with_rule!(self.scenery.composite, rule => rule.add(&mut self.state, &sample))
     }
 
+    /// Colour, and opacity of one step, of a value of `object`.
     #[inline(always)]
     pub(super) fn classified(
         &mut self,
@@ -185,185 +317,32 @@ impl<S: Level> Packet<'_, S> {
         )
     }
 
-    /// Ends the rays whose value reaches the threshold at lattice point `k`, and remembers that: where between the
-    /// points it lies is looked for when all rays of the packet have ended.
+    /// Which rays need no more.
     #[inline(always)]
-    pub(super) fn meet(
-        &mut self,
-        threshold: F32s<S>,
-        k: F32s<S>,
-        value: F32s<S>,
-        sampled: Mask<S>,
-    ) -> Mask<S> {
-        let hit = sampled & threshold.le(value);
-        self.state.place = hit.select(k, self.state.place);
-        self.state.alpha = hit.select(F32s::splat(1.0), self.state.alpha);
-        hit
+    pub(super) fn done(&self) -> Mask<S> {
+        with_rule!(self.scenery.composite, rule => rule.done(&self.state))
     }
 
-    /// The look of the rays that have met the threshold.
+    /// The rule's own end, then what is behind under everything.
     #[inline(never)]
-    pub(super) fn hit(&mut self, object: &Object<S>, threshold: F32s<S>) {
+    pub(super) fn finish(&mut self) -> Seen {
         vectorized::<S, _>(
             #[inline(always)]
-            || {
-                let hit = F32s::zero().lt(self.state.alpha);
-                if hit.any() {
-                    self.hit_here(object, &self.rays.lines[0], threshold, hit);
-                }
-            },
-        );
-    }
-
-    #[inline(always)]
-    pub(super) fn hit_here(
-        &mut self,
-        object: &Object<S>,
-        line: &Line<S>,
-        threshold: F32s<S>,
-        hit: Mask<S>,
-    ) {
-        let (k, jitter) = (self.state.place, self.rays.jitter);
-        let reached = inlined(
-            #[inline(always)]
-            |s: F32s<S>| {
-                let position = line.position(s);
-                let value = object.values.at(position);
-                let reached = threshold.le(value) & value.is_finite();
-                object.clips.keep(position, reached)
-            },
-        );
-        // Before the first sample lies the entry, at which a ray may already be inside.
-        let first = k.eq(F32s::zero());
-        let before = first.select(F32s::zero(), k - F32s::splat(1.0) + jitter);
-        let refined = first_hit::refine(before, k + jitter, reached);
-        let at_entry = first & reached(F32s::zero());
-        let place = at_entry.select(F32s::zero(), refined);
-        let position = line.position(place);
-        let surface = object.classify(object.values.at(position), position, hit);
-        let colour = self.shade(object, surface, position, hit).colour;
-        self.state.paint(hit, colour);
-        self.state.place = hit.select(place, self.state.place);
-    }
-
-    #[inline(always)]
-    pub(super) fn shade(
-        &mut self,
-        object: &Object<S>,
-        surface: Surface<S>,
-        position: Vec3s<S>,
-        shaded: Mask<S>,
-    ) -> Surface<S> {
-        let shading = &self.scenery.shading;
-        let last_normal = &mut self.state.last_normal;
-        object.shade(shading, surface, position, self.to_eye, shaded, last_normal)
-    }
-
-    #[inline(never)]
-    pub(super) fn inspect(
-        &mut self,
-        view: DebugView,
-        object: &Object<S>,
-        place: F32s<S>,
-        position: Vec3s<S>,
-        sampled: Mask<S>,
-        value: F32s<S>,
-    ) -> Mask<S> {
-        vectorized::<S, _>(
-            #[inline(always)]
-            || self.inspect_here(view, object, place, position, sampled, value),
+            || self.finish_here(),
         )
     }
 
     #[inline(always)]
-    pub(super) fn inspect_here(
-        &mut self,
-        view: DebugView,
-        object: &Object<S>,
-        place: F32s<S>,
-        position: Vec3s<S>,
-        sampled: Mask<S>,
-        value: F32s<S>,
-    ) -> Mask<S> {
-        let shown = match view {
-            DebugView::Entry | DebugView::Exit => sampled,
-            DebugView::SampleCount { .. } => {
-                let more = self.state.number + F32s::splat(1.0);
-                self.state.number = sampled.select(more, self.state.number);
-                return sampled;
-            }
-            _ => sampled & F32s::zero().lt(object.classify(value, position, sampled).opacity),
+    fn finish_here(&mut self) -> Seen {
+        let crossing = Crossing {
+            scenery: self.scenery,
+            packet: self.rays,
+            to_eye: &self.to_eye,
         };
-        if shown.any() {
-            let colour = match view {
-                DebugView::Normal => {
-                    let (normal, _) = unit(object.gradient(position, shown));
-                    debug::vector_colour(normal)
-                }
-                DebugView::GradientRaw => debug::vector_colour(object.gradient(position, shown)),
-                DebugView::GradientMagnitude { white_per_mm } => {
-                    debug::grey(length(object.gradient(position, shown)), 0.0, white_per_mm)
-                }
-                DebugView::Depth { near_mm, far_mm } => {
-                    debug::grey(self.distance_mm(place), near_mm, far_mm)
-                }
-                DebugView::Entry | DebugView::Exit | DebugView::SampleCount { .. } => {
-                    debug::position_colour(object.values.shape(), position)
-                }
-            };
-            self.state.paint(shown, colour);
-            self.state.place = shown.select(place, self.state.place);
-        }
-        shown
-    }
-
-    /// How far a lattice coordinate is from the ray's start.
-    #[inline(always)]
-    pub(super) fn distance_mm(&self, place: F32s<S>) -> F32s<S> {
-        let step_mm = F64s::splat(self.scenery.plan.lattice.step_mm);
-        (self.rays.entry_mm + F64s::from_single(place) * step_mm).to_single()
-    }
-
-    #[inline(always)]
-    pub(super) fn done(&self) -> Mask<S> {
-        let state = &self.state;
-        match self.scenery.composite {
-            Composite::EmissionAbsorption {
-                stop_at_transmittance,
-            } => emission_absorption::done(state, stop_at_transmittance),
-            Composite::Mida {
-                stop_at_transmittance,
-                blend,
-                ..
-            } => mida::done(state, stop_at_transmittance, blend),
-            Composite::FirstHit { .. } => F32s::zero().lt(state.alpha),
-            Composite::Debug(DebugView::Exit | DebugView::SampleCount { .. }) => Mask::none(),
-            Composite::Debug(_) => F32s::zero().lt(state.alpha),
-            Composite::BackToFront
-            | Composite::Mip
-            | Composite::Minip
-            | Composite::Average
-            | Composite::Gmip { .. } => Mask::none(),
-        }
-    }
-
-    /// The rule's own end, then what is behind under everything.
-    #[inline(always)]
-    pub(super) fn finish(&mut self) -> Seen {
-        let found = F32s::zero().lt(self.state.number);
-        match self.scenery.composite {
-            Composite::Mip | Composite::Minip => self.classify_once(self.state.value, found),
-            Composite::Average => self.classify_once(average::mean(&self.state), found),
-            Composite::Gmip { white_per_mm } => {
-                let grey = debug::grey(self.state.value, 0.0, white_per_mm);
-                self.state.paint(found, grey);
-            }
-            Composite::Debug(DebugView::SampleCount { white }) => {
-                let grey = debug::grey(self.state.number, 0.0, white);
-                self.state.paint(found, grey);
-            }
-            _ => {}
-        }
+        let has_depth = with_rule!(self.scenery.composite, rule => {
+            rule.finish(&mut self.state, &crossing);
+            rule.has_depth()
+        });
         let State { colour, alpha, .. } = self.state;
         let behind = F32s::splat(1.0) - alpha;
         let over = inlined(
@@ -372,50 +351,28 @@ impl<S: Level> Packet<'_, S> {
         );
         let [r, g, b] = each!([0, 1, 2], |c| over(colour[c], c));
         let a = over(alpha, 3);
+        let depth_mm = if self.scenery.plan.with_depth {
+            let distance = crossing.distance_mm(self.state.place);
+            lanes(|i| {
+                if has_depth && alpha.lane(i) > 0.0 {
+                    distance.lane(i)
+                } else {
+                    self.rays.opaque_mm[i] as f32
+                }
+            })
+        } else {
+            [f32::INFINITY; LANES]
+        };
         Seen {
             pixels: to_rows([r, g, b, a]),
-            depth_mm: if self.scenery.plan.with_depth {
-                self.depth_mm()
-            } else {
-                [f32::INFINITY; LANES]
-            },
+            depth_mm,
         }
     }
+}
 
-    /// How far away what is seen lies.
-    #[inline(always)]
-    pub(super) fn depth_mm(&self) -> [f32; LANES] {
-        let hits = matches!(self.scenery.composite, Composite::FirstHit { .. });
-        let distance = self.distance_mm(self.state.place);
-        lanes(|i| {
-            if hits && self.state.alpha.lane(i) > 0.0 {
-                distance.lane(i)
-            } else {
-                self.rays.opaque_mm[i] as f32
-            }
-        })
-    }
-
-    /// `value` classified and shaded once, nothing where none was `found`.
-    #[inline(never)]
-    pub(super) fn classify_once(&mut self, value: F32s<S>, found: Mask<S>) {
-        vectorized::<S, _>(
-            #[inline(always)]
-            || self.classify_once_here(value, found),
-        );
-    }
-
-    #[inline(always)]
-    fn classify_once_here(&mut self, value: F32s<S>, found: Mask<S>) {
-        let scenery = self.scenery;
-        let object = &scenery.objects[0];
-        let position = self.rays.lines[0].position(self.state.place);
-        let mut surface = object.classify(value, position, found);
-        if scenery.plan.technique().shade != Shade::Unlit {
-            surface = self.shade(object, surface, position, found);
-        }
-        let alpha = found.select(surface.opacity, F32s::zero());
-        self.state.colour = each!(surface.colour, |c| c * alpha);
-        self.state.alpha = alpha;
-    }
+/// Each lane is a whole number of at most 2^24, exact in f32.
+#[inline(always)]
+fn sum<S: Level>(numbers: F32s<S>) -> u64 {
+    let numbers = numbers.to_i32s().to_array();
+    numbers.iter().map(|&number| number as u64).sum()
 }

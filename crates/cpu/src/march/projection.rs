@@ -105,6 +105,7 @@ impl<S: Level> Packet<'_, S> {
         if bounds.is_negative() {
             self.state.value = -self.state.value;
         }
+        self.k = rays.count;
     }
 
     /// Looks around the largest or smallest value of each ray for one beyond it: half a step to either side, then a

@@ -8,6 +8,7 @@
 //! common: then the ranges of both overlap, and together they reach from one end's value to the other's. That is what
 //! skipping rests on here; segments that are longer than a brick are looked at wherever they leave one.
 
+use super::look_back::LookBack;
 use super::packet::Packet;
 use crate::brick_number::EDGE;
 use crate::lanes::{F32s, Mask, Vec3s, each};
@@ -66,14 +67,38 @@ struct Segment<S: Level> {
 }
 
 impl<S: Level> Window<S> {
+    /// That before segment `k`.
     #[inline(always)]
-    fn new() -> Window<S> {
+    fn new(back: &LookBack<S>, k: F32s<S>) -> Window<S> {
+        let before = k - F32s::splat(1.0);
+        let [a, b, c] = back.values;
         Window {
-            end: F32s::splat(-9.0),
-            values: [F32s::zero(); 4],
-            known: [Mask::none(); 4],
-            gradient: [F32s::zero(); 3],
-            gradient_at: F32s::splat(-9.0),
+            end: before,
+            values: [F32s::zero(), a, b, c],
+            known: [Mask::none(), back.knows(0), back.knows(1), back.knows(2)],
+            gradient: back.gradient,
+            gradient_at: back.knows(3).select(before, F32s::splat(-9.0)),
+        }
+    }
+
+    /// What is known when the ray stands at the end of segment `k`, which is not looked at yet.
+    #[inline(always)]
+    fn look_back(&self, k: F32s<S>) -> LookBack<S> {
+        let before = k - F32s::splat(1.0);
+        let follows = self.end.eq(before);
+        let [_, a, b, c] = self.values;
+        let bit = inlined(
+            #[inline(always)]
+            |known: Mask<S>, bit: f32| known.select(F32s::splat(bit), F32s::zero()),
+        );
+        let [_, has_a, has_b, has_c] = self.known;
+        LookBack {
+            values: [a, b, c],
+            gradient: self.gradient,
+            known: bit(follows & has_a, 1.0)
+                + bit(follows & has_b, 2.0)
+                + bit(follows & has_c, 4.0)
+                + bit(self.gradient_at.eq(before), 8.0),
         }
     }
 
@@ -91,17 +116,17 @@ impl<S: Level> Window<S> {
 }
 
 impl<S: Level> Packet<'_, S> {
-    /// Front to back through one volume, segment by segment; how many lattice points each ray has walked.
+    /// Front to back through one volume, segment by segment.
     #[inline(never)]
-    pub(super) fn by_segments(&mut self, object: &Object<S>, shown: Shown) -> F32s<S> {
+    pub(super) fn by_segments(&mut self, object: &Object<S>, shown: Shown) {
         vectorized::<S, _>(
             #[inline(always)]
             || self.by_segments_here(object, shown),
-        )
+        );
     }
 
     #[inline(always)]
-    fn by_segments_here(&mut self, object: &Object<S>, shown: Shown) -> F32s<S> {
+    fn by_segments_here(&mut self, object: &Object<S>, shown: Shown) {
         let (rays, line) = (self.rays, &self.rays.lines[0]);
         let (zero, one) = (F32s::zero(), F32s::splat(1.0));
         // How many lattice points from `k` on show nothing for certain; they lie in one empty cube.
@@ -117,15 +142,17 @@ impl<S: Level> Packet<'_, S> {
         );
         let last = zero.lt(rays.tail).select(rays.count, rays.count - one);
         let neighbours = ends_in_neighbours(line);
-        let mut window = Window::new();
-        let mut k = zero;
-        let mut live = match shown {
+        let (mut k, stop) = (self.k, self.end);
+        let mut window = Window::new(&self.look_back, k);
+        let has_segments = match shown {
             Shown::InParts(..) => zero.lt(rays.count),
             // A ray between two lattice points is a segment as well.
             Shown::AsIntegrals(_) => zero.lt(rays.tail),
         };
+        let stands = self.begin.le(k) & k.lt(stop) & k.le(last);
+        let mut live = has_segments & stands & !self.done();
         // Whether the beginning of segment `k` shows nothing for certain.
-        let mut nothing_before = zero.lt(jump_at(-one));
+        let mut nothing_before = zero.lt(jump_at(k - one));
         while live.any() {
             let jump = jump_at(k);
             let nothing_here = zero.lt(jump);
@@ -135,7 +162,7 @@ impl<S: Level> Packet<'_, S> {
                 let next = empty.select(k + jump, k);
                 self.skipped += next.min(rays.count) - k.min(rays.count);
                 k = next;
-                live = live & k.le(last);
+                live = live & k.le(last) & k.lt(stop);
                 continue;
             }
             window.move_to(k, live);
@@ -166,9 +193,10 @@ impl<S: Level> Packet<'_, S> {
             self.skipped += live.select(next.min(rays.count) - (k + one).min(rays.count), zero);
             nothing_before = (live & nothing_here) | (nothing_before & !live);
             k = live.select(next, k);
-            live = live & k.le(last) & !self.done();
+            live = live & k.le(last) & k.lt(stop) & !self.done();
         }
-        k.min(rays.count)
+        self.look_back = window.look_back(k);
+        self.k = k;
     }
 
     /// Finds the values at `place` of the window where they are `wanted` and not known.

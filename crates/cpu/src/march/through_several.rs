@@ -4,68 +4,51 @@ use super::packet::Packet;
 use crate::lanes::{F32s, Mask, each};
 use crate::levels::{Level, vectorized};
 use crate::library::classify::Surface;
-use crate::library::composite::emission_absorption;
+use crate::library::composite::{Rule, back_to_front, emission_absorption, with_rule};
 use crate::scenery::Look;
 
 impl<S: Level> Packet<'_, S> {
-    /// Front to back through several volumes: at each lattice point their looks are mixed.
+    /// Through several volumes, in the order of the rule: at each lattice point their looks are mixed.
     #[inline(never)]
-    pub(super) fn forwards_through_several(&mut self) -> F32s<S> {
+    pub(super) fn through_several(&mut self) {
         vectorized::<S, _>(
             #[inline(always)]
-            || self.forwards_through_several_here(),
-        )
+            || self.through_several_here(),
+        );
     }
 
     #[inline(always)]
-    pub(super) fn forwards_through_several_here(&mut self) -> F32s<S> {
+    fn through_several_here(&mut self) {
         let rays = self.rays;
-        let one = F32s::splat(1.0);
-        let mut k = F32s::zero();
-        let mut live = k.lt(rays.count);
+        let (zero, one) = (F32s::zero(), F32s::splat(1.0));
+        let is_back_to_front = with_rule!(self.scenery.composite, rule => rule.is_back_to_front());
+        let (mut k, end, mut live) = self.stand();
         while live.any() {
-            let jump = self.jump_over_all(k);
-            let empty = live & F32s::zero().lt(jump);
+            let (at, jump) = if is_back_to_front {
+                (rays.count - one - k, zero)
+            } else {
+                (k, self.jump_over_all(k))
+            };
+            let empty = live & zero.lt(jump);
             if empty.any() {
                 let next = empty.select((k + jump).min(rays.count), k);
                 self.skipped += next - k;
                 k = next;
-                live = live & k.lt(rays.count);
+                live = live & k.lt(end);
                 continue;
             }
-            let look = self.mixed(k, live);
+            let look = self.mixed(at, live);
             let Surface { colour, opacity } = look.surface;
-            emission_absorption::add(&mut self.state, look.visible, colour, opacity);
-            self.visible += look.visible.select(one, F32s::zero());
+            if is_back_to_front {
+                back_to_front::add(&mut self.state, look.visible, colour, opacity);
+            } else {
+                emission_absorption::add(&mut self.state, look.visible, colour, opacity);
+            }
+            self.visible += look.visible.select(one, zero);
             k = live.select(k + one, k);
-            live = live & k.lt(rays.count) & !self.done();
+            live = live & k.lt(end) & !self.done();
         }
-        k
-    }
-
-    /// Back to front through several volumes.
-    #[inline(never)]
-    pub(super) fn backwards_through_several(&mut self) -> F32s<S> {
-        vectorized::<S, _>(
-            #[inline(always)]
-            || self.backwards_through_several_here(),
-        )
-    }
-
-    #[inline(always)]
-    pub(super) fn backwards_through_several_here(&mut self) -> F32s<S> {
-        let one = F32s::splat(1.0);
-        let mut left = self.rays.count;
-        let mut live = F32s::zero().lt(left);
-        while live.any() {
-            left = live.select(left - one, left);
-            let look = self.mixed(left, live);
-            let Surface { colour, opacity } = look.surface;
-            emission_absorption::add_in_front(&mut self.state, look.visible, colour, opacity);
-            self.visible += look.visible.select(one, F32s::zero());
-            live = live & F32s::zero().lt(left);
-        }
-        self.rays.count
+        self.k = k;
     }
 
     /// How many lattice points from `k` on show nothing of any volume.

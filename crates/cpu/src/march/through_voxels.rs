@@ -11,6 +11,7 @@ use crate::lanes::{F32s, I32s, LANES, Mask, Vec3s, each, lanes, to_rows};
 use crate::levels::{Level, inlined, vectorized};
 use crate::library::classify::Surface;
 use crate::library::composite::emission_absorption;
+use crate::library::composite::first_hit::FirstHit;
 use crate::library::fetch::{Fetch, Linear, Shape};
 use crate::library::reconstruct::trilinear;
 use crate::scenery::{Object, Stored};
@@ -40,7 +41,7 @@ impl<S: Level> Points<S> {
 impl<S: Level> Packet<'_, S> {
     /// Front to back through the voxels `stored` of `object`, for which [`Object::stored_for`] gave them.
     #[inline(always)]
-    pub(super) fn through_voxels(&mut self, object: &Object<S>, stored: &Stored) -> F32s<S> {
+    pub(super) fn through_voxels(&mut self, object: &Object<S>, stored: &Stored) {
         match stored {
             Stored::U8(voxels) => self.through(object, voxels),
             Stored::U16(voxels) => self.through(object, voxels),
@@ -50,41 +51,35 @@ impl<S: Level> Packet<'_, S> {
     }
 
     #[inline(always)]
-    fn through<T: Sample>(&mut self, object: &Object<S>, voxels: &Linear<T>) -> F32s<S> {
+    fn through<T: Sample>(&mut self, object: &Object<S>, voxels: &Linear<T>) {
         if let Composite::FirstHit { threshold } = self.scenery.composite {
-            self.until_hit(object, voxels, threshold)
+            self.until_hit(object, voxels, FirstHit { threshold });
         } else if self.scenery.shading.is_unlit() {
-            self.unlit(object, voxels)
+            self.unlit(object, voxels);
         } else {
-            self.lit(object, voxels)
+            self.lit(object, voxels);
         }
     }
 
     #[inline(never)]
-    fn until_hit<T: Sample>(
-        &mut self,
-        object: &Object<S>,
-        voxels: &Linear<T>,
-        threshold: f32,
-    ) -> F32s<S> {
+    fn until_hit<T: Sample>(&mut self, object: &Object<S>, voxels: &Linear<T>, rule: FirstHit) {
         vectorized::<S, _>(
             #[inline(always)]
             || {
-                let threshold = F32s::splat(threshold);
-                let walked = self.walk(
+                self.walk(
                     object,
                     voxels,
                     #[inline(always)]
-                    |packet, _, k, value, sampled, _| packet.meet(threshold, k, value, sampled),
+                    |packet, _, k, value, sampled, _| {
+                        rule.meet(&mut packet.state, k, value, sampled)
+                    },
                 );
-                self.hit(object, threshold);
-                walked
             },
-        )
+        );
     }
 
     #[inline(never)]
-    fn unlit<T: Sample>(&mut self, object: &Object<S>, voxels: &Linear<T>) -> F32s<S> {
+    fn unlit<T: Sample>(&mut self, object: &Object<S>, voxels: &Linear<T>) {
         vectorized::<S, _>(
             #[inline(always)]
             || {
@@ -105,12 +100,12 @@ impl<S: Level> Packet<'_, S> {
     }
 
     #[inline(never)]
-    fn lit<T: Sample>(&mut self, object: &Object<S>, voxels: &Linear<T>) -> F32s<S> {
+    fn lit<T: Sample>(&mut self, object: &Object<S>, voxels: &Linear<T>) {
         vectorized::<S, _>(
             #[inline(always)]
             || {
-                let mut waiting = Waiting::new(self.to_eye);
-                let walked = self.walk(
+                let mut waiting = Waiting::new(self.to_eye, self.state.colour);
+                self.walk(
                     object,
                     voxels,
                     #[inline(always)]
@@ -136,9 +131,8 @@ impl<S: Level> Packet<'_, S> {
                     |c: usize| F32s::from_array(lanes(|lane| waiting.sums[lane][c])),
                 );
                 self.state.colour = each!([0, 1, 2], |c| channel(c));
-                walked
             },
-        )
+        );
     }
 
     /// From lattice point to lattice point, leaving out what shows nothing; `see` adds the samples at a position
@@ -150,16 +144,16 @@ impl<S: Level> Packet<'_, S> {
         object: &Object<S>,
         voxels: &Linear<T>,
         mut see: impl FnMut(&mut Self, Vec3s<S>, F32s<S>, F32s<S>, Mask<S>, F32s<S>) -> Mask<S>,
-    ) -> F32s<S> {
+    ) {
         let (rays, line) = (self.rays, &self.rays.lines[0]);
         let one = F32s::splat(1.0);
         let shape = <Linear<T> as Fetch<S>>::shape(voxels);
         let cubes = object.skip.as_ref().and_then(|skip| skip.cubes(line));
-        let mut strides = object.strides.as_ref().map(|strides| strides.along(line));
-        let mut k = F32s::zero();
-        let mut live = k.lt(rays.count);
+        let strides = object.strides.as_ref();
+        let mut strides = strides.map(|strides| strides.along(line, self.last_alpha));
+        let (mut k, end, mut live) = self.stand();
         if !live.any() {
-            return k;
+            return;
         }
         let mut here = Points::at(shape, line.position(k + rays.jitter));
         let mut cube = cubes.as_ref().map(|cubes| cubes.at(here.cell));
@@ -175,7 +169,7 @@ impl<S: Level> Packet<'_, S> {
                     if 2 * empty.count() > live.count() {
                         // The others wait, so that sampling happens for as many rays as possible.
                         k = jumped;
-                        live = live & k.lt(rays.count);
+                        live = live & k.lt(end);
                         if !live.any() {
                             break;
                         }
@@ -205,12 +199,15 @@ impl<S: Level> Packet<'_, S> {
             let visible = see(self, here.position, k, value, sampled, stride);
             self.visible += visible.select(one, F32s::zero());
             (k, here, cube) = (next, there, next_cube);
-            live = live & k.lt(rays.count) & !self.done();
+            live = live & k.lt(end) & !self.done();
             if !live.any() {
                 break;
             }
         }
-        k
+        self.k = k;
+        if let Some(strides) = strides {
+            self.last_alpha = strides.last_alpha;
+        }
     }
 
     /// Lights as many samples as there are lanes, or all that wait, and adds them to their rays.
@@ -267,12 +264,12 @@ impl Waiting {
     const MOST: usize = 3 * LANES;
 
     #[inline(always)]
-    fn new<S: Level>(to_eye: Vec3s<S>) -> Waiting {
+    fn new<S: Level>(to_eye: Vec3s<S>, [r, g, b]: Vec3s<S>) -> Waiting {
         Waiting {
             number: 0,
             samples: [[0.0; Waiting::MOST]; 6],
             to_eye: each!(to_eye, |part| part.to_array()),
-            sums: [[0.0; 4]; LANES],
+            sums: to_rows([r, g, b, F32s::zero()]),
         }
     }
 

@@ -1,8 +1,37 @@
 //! N. Max, "Optical models for direct volume rendering" (1995), front to back.
 
+use super::rule::{Rule, Sample};
+use super::sees::Sees;
 use super::state::State;
 use crate::lanes::{F32s, Mask, Vec3s};
 use crate::levels::Level;
+use crate::library::classify::Surface;
+
+/// What the eye sees of all samples, until too little would still come through.
+#[derive(Clone, Copy)]
+pub struct EmissionAbsorption {
+    pub stop_at_transmittance: f32,
+}
+
+impl Rule for EmissionAbsorption {
+    fn sees(&self) -> Sees {
+        Sees::Shown
+    }
+
+    #[inline(always)]
+    fn add<S: Level>(&self, state: &mut State<S>, sample: &Sample<S>) -> Mask<S> {
+        let look = sample.look(&mut state.last_normal);
+        let Surface { colour, opacity } = look.surface;
+        let opacity = sample.object.of_stride(opacity, sample.stride);
+        add(state, look.visible, colour, opacity);
+        look.visible
+    }
+
+    #[inline(always)]
+    fn done<S: Level>(&self, state: &State<S>) -> Mask<S> {
+        (F32s::splat(1.0) - state.alpha).lt(F32s::splat(self.stop_at_transmittance))
+    }
+}
 
 /// Adds what the eye sees of a sample: C += (1−A)·a·c, A += (1−A)·a.
 #[inline(always)]
@@ -14,26 +43,4 @@ pub fn add<S: Level>(state: &mut State<S>, visible: Mask<S>, colour: Vec3s<S>, o
         *sum += visible.select(share * channel, F32s::zero());
     }
     state.alpha += share;
-}
-
-/// Adds a sample that lies in front of all before it: C = (1−a)·C + a·c, A likewise.
-#[inline(always)]
-pub fn add_in_front<S: Level>(
-    state: &mut State<S>,
-    visible: Mask<S>,
-    colour: Vec3s<S>,
-    opacity: F32s<S>,
-) {
-    let opacity = visible.select(opacity, F32s::zero());
-    let behind = F32s::splat(1.0) - opacity;
-    for (sum, channel) in state.colour.iter_mut().zip(colour) {
-        *sum = *sum * behind + visible.select(opacity * channel, F32s::zero());
-    }
-    state.alpha = state.alpha * behind + opacity;
-}
-
-/// Where so little would still come through that the ray may end.
-#[inline(always)]
-pub fn done<S: Level>(state: &State<S>, stop_at_transmittance: f32) -> Mask<S> {
-    (F32s::splat(1.0) - state.alpha).lt(F32s::splat(stop_at_transmittance))
 }

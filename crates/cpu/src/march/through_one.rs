@@ -3,31 +3,37 @@
 use super::packet::Packet;
 use crate::lanes::F32s;
 use crate::levels::{Level, vectorized};
+use crate::library::composite::{Rule, with_rule};
 use crate::scenery::Object;
-use strahl_scene::plan::Composite;
 
 impl<S: Level> Packet<'_, S> {
-    /// Front to back through one volume; how many lattice points each ray has walked.
+    /// Through one volume, in the order of the rule.
     #[inline(never)]
-    pub(super) fn forwards(&mut self, object: &Object<S>) -> F32s<S> {
+    pub(super) fn through_one(&mut self, object: &Object<S>) {
         vectorized::<S, _>(
             #[inline(always)]
-            || self.forwards_here(object),
-        )
+            || self.through_one_here(object),
+        );
     }
 
     #[inline(always)]
-    fn forwards_here(&mut self, object: &Object<S>) -> F32s<S> {
+    fn through_one_here(&mut self, object: &Object<S>) {
         let (rays, line) = (self.rays, &self.rays.lines[0]);
         let one = F32s::splat(1.0);
-        let mut strides = object.strides.as_ref().map(|strides| strides.along(line));
-        let mut k = F32s::zero();
-        let mut live = k.lt(rays.count);
+        let is_back_to_front = with_rule!(self.scenery.composite, rule => rule.is_back_to_front());
+        let strides = object.strides.as_ref().filter(|_| !is_back_to_front);
+        let mut strides = strides.map(|strides| strides.along(line, self.last_alpha));
+        let (mut k, end, mut live) = self.stand();
         while live.any() {
-            let position = line.position(k + rays.jitter);
+            let at = if is_back_to_front {
+                rays.count - one - k
+            } else {
+                k
+            };
+            let position = line.position(at + rays.jitter);
             if let Some(next) = self.behind_nothing(object, position, k, live) {
                 k = next;
-                live = live & k.lt(rays.count);
+                live = live & k.lt(end);
                 continue;
             }
             let sampled = object.clips.keep(position, live);
@@ -44,15 +50,15 @@ impl<S: Level> Packet<'_, S> {
                 let value = self.value(object, position, sampled);
                 // What is not finite is no value: no rule counts it.
                 let sampled = sampled & value.is_finite();
-                let visible = self.add(object, k, position, sampled, value, stride);
+                let visible = self.add(object, at, position, sampled, value, stride);
                 self.visible += visible.select(one, F32s::zero());
             }
             k = moving.select(k + stride, k);
-            live = live & k.lt(rays.count) & !self.done();
+            live = live & k.lt(end) & !self.done();
         }
-        if let Composite::FirstHit { threshold } = self.scenery.composite {
-            self.hit(object, F32s::splat(threshold));
+        self.k = k;
+        if let Some(strides) = strides {
+            self.last_alpha = strides.last_alpha;
         }
-        k
     }
 }

@@ -1,0 +1,33 @@
+//! A debug view: the gradient of the first sample that is not transparent, as a colour.
+
+use super::rule::{Rule, Sample};
+use super::state::State;
+use super::vector_colour::vector_colour;
+use crate::lanes::{F32s, Mask};
+use crate::levels::{Level, vectorized};
+
+/// The gradient of the first sample that is not transparent, as a colour.
+#[derive(Clone, Copy)]
+pub struct GradientRaw;
+
+impl Rule for GradientRaw {
+    #[inline(never)]
+    fn add<S: Level>(&self, state: &mut State<S>, sample: &Sample<S>) -> Mask<S> {
+        vectorized::<S, _>(
+            #[inline(always)]
+            || {
+                let shown = sample.shown();
+                if shown.any() {
+                    let colour = vector_colour(sample.gradient(shown));
+                    state.paint(shown, colour);
+                }
+                shown
+            },
+        )
+    }
+
+    #[inline(always)]
+    fn done<S: Level>(&self, state: &State<S>) -> Mask<S> {
+        F32s::zero().lt(state.alpha)
+    }
+}

@@ -1,0 +1,168 @@
+//! A picture drawn interval by interval of the lattice.
+
+use crate::error::Error;
+use crate::levels::{Level, Task};
+use crate::march;
+use crate::options::Options;
+use crate::prepared::Prepared;
+use crate::raster::Raster;
+use crate::ray_states::RayStates;
+use crate::renderer::{Renderer, stats_of};
+use crate::tiles;
+use std::ops::Range;
+use std::time::Instant;
+use strahl_scene::plan::Plan;
+use strahl_scene::{Image, Rendered, Stats};
+use strahl_volume::{Control, Work};
+
+/// Rays to be moved with any instruction set.
+struct Marching<'d> {
+    prepared: Prepared,
+    plan: &'d Plan,
+    options: &'d Options,
+    interval: Range<u32>,
+    states: &'d mut RayStates,
+    control: &'d Control,
+}
+
+impl Task for Marching<'_> {
+    type Output = Result<(), Error>;
+
+    fn run<S: Level>(self) -> Result<(), Error> {
+        let (plan, edge) = (self.plan, self.options.tile);
+        let (control, states) = (self.control, self.states);
+        self.prepared.with_scenery::<S, _>(plan, |scenery| {
+            let parts = control.parts(Work::Drawing, Raster::ALL.tiles(plan, edge));
+            tiles::march(scenery, &self.interval, edge, states, &parts)
+        })
+    }
+}
+
+/// A picture to be made of rays with any instruction set.
+struct Finishing<'d> {
+    prepared: Prepared,
+    plan: &'d Plan,
+    options: &'d Options,
+    states: &'d RayStates,
+    control: &'d Control,
+}
+
+impl Task for Finishing<'_> {
+    type Output = Result<Rendered, Error>;
+
+    fn run<S: Level>(self) -> Result<Rendered, Error> {
+        let (plan, edge) = (self.plan, self.options.tile);
+        let [bricks_seconds, prepare_seconds] =
+            [self.prepared.bricks_seconds, self.prepared.seconds];
+        let start = Instant::now();
+        let drawn = self.prepared.with_scenery::<S, _>(plan, |scenery| {
+            let tiles = Raster::ALL.tiles(plan, edge);
+            let parts = self.control.parts(Work::Drawing, tiles);
+            tiles::draw(scenery, Raster::ALL, edge, Some(self.states), &parts)
+        })?;
+        let image = Image::from_pixels(plan.width, plan.height, drawn.pixels);
+        Ok(Rendered {
+            image: image.into_linear(plan.compositing),
+            depth_mm: plan.with_depth.then_some(drawn.depth_mm),
+            stats: Stats {
+                bricks_seconds,
+                prepare_seconds,
+                draw_seconds: start.elapsed().as_secs_f64(),
+                ..stats_of(plan, drawn.counts)
+            },
+        })
+    }
+}
+
+impl Renderer {
+    /// The rays of `plan` before their first lattice points.
+    ///
+    /// With [`march`](Renderer::march) and [`finish`](Renderer::finish) a picture is drawn in parts, of which each has only
+    /// some of the lattice points of every ray. However the lattice is cut, and whatever happens to the states in between,
+    /// the picture has the bytes that [`render`](Renderer::render) gives. (Samples may differ in number: for `mip` and
+    /// `minip` `render` does not go along the lattice.)
+    ///
+    /// ```
+    /// use strahl_cpu::{Options, Renderer};
+    /// use strahl_scene::{Scene, resolve};
+    /// use strahl_volume::{Control, Phantom};
+    ///
+    /// let volume = Phantom::Tree.volume([32, 32, 32])?;
+    /// let scene = Scene::parse("scene", r#"{ "size": [64, 48] }"#)?;
+    /// let plan = resolve(&scene, &volume.header(), None)?;
+    /// let renderer = Renderer::new(&volume);
+    /// let (options, control) = (Options::default(), Control::NONE);
+    /// let mut states = renderer.start(&plan, &options)?;
+    /// for interval in [0..20, 20..35, 35..u32::MAX] {
+    ///     renderer.march(&plan, interval, &mut states, &options, &control)?;
+    /// }
+    /// let drawn = renderer.finish(&plan, &states, &options, &control)?;
+    /// assert_eq!(drawn.image, renderer.render(&plan, &options, &control)?.image);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`render`](Renderer::render).
+    pub fn start(&self, plan: &Plan, options: &Options) -> Result<RayStates, Error> {
+        self.check(plan, options)?;
+        Ok(RayStates::new(plan, march::start(plan)))
+    }
+
+    /// Moves the rays `states` of `plan` that stand at a lattice point of `interval`, each until it stands at none: behind the
+    /// last of the interval (with `back_to_front`: before the first), or a little further where one sample stands for
+    /// several lattice points, or until it needs no more. Other rays stay where they are.
+    ///
+    /// The rules of sampling that look at segments (`refine`, `split`, `integrated`) count the piece of a ray behind its
+    /// last lattice point as one more; `u32::MAX` is behind everything.
+    ///
+    /// # Errors
+    /// As [`render`](Renderer::render); [`Error::OtherRays`] if the states are not those of such a Plan. After
+    /// [`Error::Cancelled`] some rays have been moved and others have not: the same call goes on.
+    pub fn march(
+        &self,
+        plan: &Plan,
+        interval: Range<u32>,
+        states: &mut RayStates,
+        options: &Options,
+        control: &Control,
+    ) -> Result<(), Error> {
+        self.check(plan, options)?;
+        states.check(plan)?;
+        let pool = self.pools().of(options.threads)?;
+        let pool = pool.as_deref();
+        let marching = Marching {
+            prepared: self.prepare(plan, options, control, pool)?,
+            plan,
+            options,
+            interval,
+            states,
+            control,
+        };
+        options.run(pool, marching)
+    }
+
+    /// The picture that the rays `states` of `plan` make, wherever they stand: of rays on their way what they have seen so far.
+    ///
+    /// # Errors
+    /// As [`march`](Renderer::march).
+    pub fn finish(
+        &self,
+        plan: &Plan,
+        states: &RayStates,
+        options: &Options,
+        control: &Control,
+    ) -> Result<Rendered, Error> {
+        self.check(plan, options)?;
+        states.check(plan)?;
+        let pool = self.pools().of(options.threads)?;
+        let pool = pool.as_deref();
+        let finishing = Finishing {
+            prepared: self.prepare(plan, options, control, pool)?,
+            plan,
+            options,
+            states,
+            control,
+        };
+        options.run(pool, finishing)
+    }
+}
