@@ -53,7 +53,8 @@ fn as_before(checkout: &Path, text: String) -> Result<String> {
     if !root.contains("no_progress") {
         return Ok(text);
     }
-    Ok(text.replace("&strahl_volume::Control::NONE", "&strahl_cpu::no_progress"))
+    let text = text.replace("&strahl_volume::Control::NONE", "&strahl_cpu::no_progress");
+    Ok(text.replace(".stats.counts.unwrap()", ".stats"))
 }
 
 /// Builds the example `name` of `package` in the checkout `root`; the program.
