@@ -66,7 +66,7 @@ impl Control {
         })))
     }
 
-    /// Asks the work to end: it does within milliseconds, and says [`Cancelled`]. Does nothing to work under
+    /// Asks the work to end: it does where it next asks, and says [`Cancelled`]. Does nothing to work under
     /// [`Control::NONE`].
     pub fn cancel(&self) {
         if let Some(state) = &self.0 {
