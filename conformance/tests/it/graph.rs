@@ -67,7 +67,7 @@ fn the_standard_graph_is_the_picture_of_the_settings() {
 }
 
 /// Draws `plan` by its program and by its standard graph, both evaluated.
-fn twice(data: &Datasets, plan: &Plan) -> [Image; 2] {
+pub fn twice(data: &Datasets, plan: &Plan) -> [Image; 2] {
     let mut evaluator = Evaluator::new(data.clone());
     let settings = evaluator.render(plan, &Control::NONE).unwrap().image;
     let (what, functions) = (

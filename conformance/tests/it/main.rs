@@ -14,6 +14,7 @@ mod random;
 mod same_bytes;
 mod sim;
 mod simple;
+mod techniques;
 mod transmittance;
 mod twins;
 mod values;

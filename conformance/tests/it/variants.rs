@@ -25,18 +25,18 @@ const GRADIENTS: [GradientMethod; 6] = [
     GradientMethod::BSpline,
 ];
 
-fn draw(data: impl Into<Datasets>, plan: &Plan) -> Rendered {
+pub fn draw(data: impl Into<Datasets>, plan: &Plan) -> Rendered {
     draw_with(data, plan, &Options::default())
 }
 
-fn draw_with(data: impl Into<Datasets>, plan: &Plan, options: &Options) -> Rendered {
+pub fn draw_with(data: impl Into<Datasets>, plan: &Plan, options: &Options) -> Rendered {
     Renderer::new(data)
         .render(plan, options, &Control::NONE)
         .unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// The largest difference of a channel.
-fn distance(a: &Rendered, b: &Rendered) -> f32 {
+pub fn distance(a: &Rendered, b: &Rendered) -> f32 {
     let pixels = a.image.pixels().iter().zip(b.image.pixels());
     pixels
         .flat_map(|(a, b)| a.iter().zip(b).map(|(a, b)| (a - b).abs()))

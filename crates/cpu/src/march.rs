@@ -129,7 +129,7 @@ impl<S: Level> Packet<'_, S> {
     /// Front to back through one volume, by the loop of its type of sample if there is one.
     #[inline(always)]
     fn at_lattice_points(&mut self, object: &Object<S>) {
-        match object.stored_for(self.scenery.composite, &self.scenery.shading) {
+        match object.stored_for(self.scenery.composite) {
             Some(stored) if S::HAS_LOOPS_PER_TYPE => self.through_voxels(object, stored),
             _ => self.through_one(object),
         }

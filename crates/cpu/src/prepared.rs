@@ -10,7 +10,6 @@ use crate::library::composite::{Rule, with_rule};
 use crate::library::fetch::{MarschnerLobb, Noise, Shape};
 use crate::library::jitter::Jitters;
 use crate::library::reconstruct::{Values, of_fetch, values};
-use crate::library::shade::Shading;
 use crate::making::Making;
 use crate::meshes::Meshes;
 use crate::rejection::{OfCubic, Rejection};
@@ -95,7 +94,6 @@ impl Prepared {
         draw(&Scenery {
             plan,
             objects: self.known.into_iter().enumerate().map(object).collect(),
-            shading: Shading::new(plan),
             jitters: Jitters::new(plan),
             meshes: &self.meshes,
             composite: plan.technique().composite,

@@ -24,7 +24,6 @@ pub struct Scenery<'p, S: Level> {
     pub plan: &'p Plan,
     pub composite: Composite,
     pub objects: Vec<Object<'p, S>>,
-    pub shading: Shading,
     pub jitters: Jitters,
     pub meshes: &'p Meshes,
 }
@@ -50,6 +49,7 @@ pub struct Object<'p, S: Level> {
     /// What is shown between two values; where the Plan's sampling is integrated.
     pub integrals: Option<Arc<Integrals>>,
     classify: Classify,
+    pub shading: Shading,
     /// Of the values from stored numbers: slope and intercept.
     rescale: [f32; 2],
     /// (Part of a) step/reference, the exponent of the opacity correction.
@@ -154,6 +154,7 @@ impl<'p, S: Level> Object<'p, S> {
                 .then(|| Between::new(technique.classify, table)),
             integrals,
             classify: technique.classify,
+            shading: Shading::new(technique.shade, plan),
             steps_per_reference: steps_per_reference(part_mm, table.reference_mm()),
             world_from_voxel: Affine::new(field.grid.world_from_voxel()),
         }
@@ -162,10 +163,10 @@ impl<'p, S: Level> Object<'p, S> {
     /// The voxels, if `through_voxels` gives what `forwards` does: trilinear values and no clips of samples; for
     /// emission and absorption a table, and shading that asks for nothing of earlier samples and leaves the
     /// opacity as it is.
-    pub fn stored_for(&self, composite: Composite, shading: &Shading) -> Option<&Stored<'p>> {
+    pub fn stored_for(&self, composite: Composite) -> Option<&Stored<'p>> {
         let fits = match composite {
             Composite::EmissionAbsorption { .. } => {
-                self.classify == Classify::Table && shading.is_of_single_samples()
+                self.classify == Classify::Table && self.shading.is_of_single_samples()
             }
             Composite::FirstHit { .. } => true,
             _ => false,
@@ -279,7 +280,6 @@ impl<'p, S: Level> Object<'p, S> {
     #[inline(never)]
     pub fn shade(
         &self,
-        shading: &Shading,
         surface: Surface<S>,
         position: Vec3s<S>,
         to_eye: Vec3s<S>,
@@ -294,7 +294,7 @@ impl<'p, S: Level> Object<'p, S> {
                     place_mm: || self.place_mm(position),
                     to_eye,
                 };
-                shading.look(surface, &place, shaded, last_normal)
+                self.shading.look(surface, &place, shaded, last_normal)
             },
         )
     }
@@ -303,7 +303,6 @@ impl<'p, S: Level> Object<'p, S> {
     #[inline(always)]
     pub fn look(
         &self,
-        shading: &Shading,
         value: F32s<S>,
         position: Vec3s<S>,
         to_eye: Vec3s<S>,
@@ -313,8 +312,8 @@ impl<'p, S: Level> Object<'p, S> {
         let mut surface = self.classify(value, position, sampled);
         let visible = sampled & F32s::zero().lt(surface.opacity);
         if visible.any() {
-            if !shading.is_unlit() {
-                surface = self.shade(shading, surface, position, to_eye, visible, last_normal);
+            if !self.shading.is_unlit() {
+                surface = self.shade(surface, position, to_eye, visible, last_normal);
             }
             surface.opacity = self.of_step(surface.opacity);
         }
@@ -323,10 +322,8 @@ impl<'p, S: Level> Object<'p, S> {
 
     /// The look of a sample whose value and gradient are known from samples beside it, as [`look`](Self::look).
     #[inline(always)]
-    #[expect(clippy::too_many_arguments, reason = "what a look is made of")]
     pub fn look_by(
         &self,
-        shading: &Shading,
         value: F32s<S>,
         gradient: Vec3s<S>,
         position: Vec3s<S>,
@@ -337,13 +334,13 @@ impl<'p, S: Level> Object<'p, S> {
         let mut surface = self.classify(value, position, sampled);
         let visible = sampled & F32s::zero().lt(surface.opacity);
         if visible.any() {
-            if !shading.is_unlit() {
+            if !self.shading.is_unlit() {
                 let place = Place {
                     gradient: || gradient,
                     place_mm: || self.place_mm(position),
                     to_eye,
                 };
-                surface = shading.look(surface, &place, visible, last_normal);
+                surface = self.shading.look(surface, &place, visible, last_normal);
             }
             surface.opacity = self.of_step(surface.opacity);
         }
@@ -355,7 +352,6 @@ impl<'p, S: Level> Object<'p, S> {
     #[expect(clippy::too_many_arguments, reason = "what a look is made of")]
     pub fn look_of_segment(
         &self,
-        shading: &Shading,
         integrals: &Integrals,
         ends: [F32s<S>; 2],
         share: F32s<S>,
@@ -371,8 +367,8 @@ impl<'p, S: Level> Object<'p, S> {
         let mut surface = integrals.between(&self.table, ends, of_length, sampled);
         let visible = sampled & F32s::zero().lt(surface.opacity);
         if visible.any() {
-            if !shading.is_unlit() {
-                surface = self.shade(shading, surface, position, to_eye, visible, last_normal);
+            if !self.shading.is_unlit() {
+                surface = self.shade(surface, position, to_eye, visible, last_normal);
             }
             surface.opacity = self.of_steps(surface.opacity, share);
         }

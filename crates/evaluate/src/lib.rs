@@ -50,7 +50,8 @@ use run::State;
 use std::sync::Arc;
 use std::time::Instant;
 use strahl_program::{
-    Frame, Functions, Object, Order, Slices, Slicing, Table2d, noise_tile, tables, visible_bricks,
+    Frame, Functions, Object, Order, Slices, Slicing, Table2d, noise_tile, tables, techniques_of,
+    visible_bricks,
 };
 use strahl_scene::plan::Plan;
 use strahl_scene::{Image, OtherData};
@@ -132,6 +133,7 @@ impl Evaluator {
             volumes: vec![Texels::UnfilterableFloat; self.datasets.volumes.len()],
             objects: plan.layers.len(),
             is_before_geometry: !plan.meshes.is_empty(),
+            techniques: techniques_of(plan),
             is_finite: false,
         })
     }
@@ -285,7 +287,7 @@ impl<'a> Scenery<'a> {
                 Object::of(plan, layer, slope, intercept)
             })
             .collect();
-        let entries = tables(plan, &mut objects);
+        let entries = tables(plan, &mut objects)?;
         let of_objects = data.of_objects(plan);
         let of_object = |i: usize| of_objects[i];
         let (brick_dims, bricks) = visible_bricks(plan, &mut objects, of_object, store, control)?;

@@ -47,7 +47,8 @@ use shown::{Show, Shower};
 use std::sync::Arc;
 use std::time::Instant;
 use strahl_program::{
-    Frame, Functions, Object, Slices, Slicing, Table2d, noise_tile, stacked, tables, visible_bricks,
+    Frame, Functions, Object, Slices, Slicing, Table2d, noise_tile, stacked, tables, techniques_of,
+    visible_bricks,
 };
 use strahl_scene::Image;
 use strahl_scene::plan::{Compositing, Plan};
@@ -148,6 +149,7 @@ impl Renderer {
             volumes: self.data.texels(&self.device, plan),
             objects: plan.layers.len(),
             is_before_geometry: !plan.meshes.is_empty(),
+            techniques: techniques_of(plan),
             is_finite: self.data.are_finite() && plan.modules.is_empty(),
         })
     }
@@ -616,7 +618,7 @@ impl Renderer {
                 Object::of(plan, layer, slope, intercept)
             })
             .collect();
-        let tables = self.tables(plan, &mut objects);
+        let tables = self.tables(plan, &mut objects)?;
         let bricks = self.bricks(plan, &mut objects, &data, control)?;
         let pages = self.pages(plan, &mut objects, &data);
         let tile = self.noise_tile(plan);
@@ -714,15 +716,15 @@ impl Renderer {
     }
 
     /// The transfer tables of all objects in rows of [`TABLE_ROW`] entries.
-    fn tables(&self, plan: &Plan, objects: &mut [Object]) -> wgpu::TextureView {
-        let entries = tables(plan, objects);
-        self.texture(
+    fn tables(&self, plan: &Plan, objects: &mut [Object]) -> Result<wgpu::TextureView, Error> {
+        let entries = tables(plan, objects)?;
+        Ok(self.texture(
             "transfer tables",
             wgpu::TextureDimension::D2,
             wgpu::TextureFormat::Rgba32Float,
             [TABLE_ROW, entries.len() as u32 / TABLE_ROW, 1],
             bytemuck::cast_slice(&entries),
-        )
+        ))
     }
 
     /// Which bricks can be seen, the objects behind one another along z.

@@ -220,7 +220,7 @@ impl Builder<'_> {
             own("before_shade") + ".opacity",
         );
         let gradient = slot(&own("gradient"), "gradient").input("position", position);
-        match self.plan.technique().shade {
+        match self.plan.technique_of(object).shade {
             Shade::Unlit => {}
             Shade::Lit {
                 ambient,
@@ -268,9 +268,9 @@ impl Builder<'_> {
         self.anchor(&own("after_shade_opacity"), &opacity);
     }
 
-    fn is_last_normal_kept(&self) -> bool {
+    fn is_last_normal_kept(&self, object: usize) -> bool {
         matches!(
-            self.plan.technique().shade,
+            self.plan.technique_of(object).shade,
             Shade::Lit {
                 keep_last_normal: true,
                 ..
@@ -291,7 +291,7 @@ impl Builder<'_> {
             "after_composite_opacity".to_owned(),
         );
         let mut normal = self
-            .is_last_normal_kept()
+            .is_last_normal_kept(0)
             .then(|| "normals.kept".to_owned());
         let mut done = stop.map(str::to_owned);
         for (level, next) in [
@@ -354,7 +354,7 @@ impl Builder<'_> {
             carried("color", "vec3f", numbers(&[0.0]), "seen.color"),
             carried("opacity", "f32", 0.0.into(), "seen.opacity"),
         ];
-        if self.is_last_normal_kept() {
+        if self.is_last_normal_kept(0) {
             carry.push(carried("normal", "vec3f", numbers(&[0.0]), "seen.normal"));
         }
         self.put(Node::new(
@@ -398,7 +398,7 @@ impl Builder<'_> {
             carried("k", "f32", 0.0.into(), "advance"),
             carried("state", "CompositeState", "start".into(), "seen.state"),
         ];
-        let keeps_normal = adds_looks && self.is_last_normal_kept();
+        let keeps_normal = adds_looks && self.is_last_normal_kept(0);
         if keeps_normal {
             carry.push(carried("normal", "vec3f", numbers(&[0.0]), "seen.normal"));
         }
@@ -538,7 +538,7 @@ impl Builder<'_> {
             } => Some(stop_at_transmittance),
             _ => None,
         };
-        let keeps_normal = self.is_last_normal_kept();
+        let keeps_normal = (0..objects).any(|i| self.is_last_normal_kept(i));
         let mut carry = vec![
             carried("k", "f32", 0.0.into(), "advance"),
             carried("color", "vec3f", numbers(&[0.0]), "seen.color"),
@@ -587,8 +587,11 @@ impl Builder<'_> {
         );
         let mut last_normal = "samples.normal".to_owned();
         for i in 0..objects {
-            self.part(i, keeps_normal.then_some(last_normal.as_str()));
-            last_normal = own("part", i) + ".normal";
+            let keeps_it = self.is_last_normal_kept(i);
+            self.part(i, keeps_it.then_some(last_normal.as_str()));
+            if keeps_it {
+                last_normal = own("part", i) + ".normal";
+            }
         }
         self.anchor(
             "before_composite_color",
@@ -783,7 +786,7 @@ impl Builder<'_> {
             carried("opacity", "f32", 0.0.into(), "seen.opacity"),
             carried("largest", "f32", 0.0.into(), "risen.largest"),
         ];
-        if self.is_last_normal_kept() {
+        if self.is_last_normal_kept(0) {
             carry.push(carried("normal", "vec3f", numbers(&[0.0]), "seen.normal"));
         }
         self.put(Node::new(

@@ -6,7 +6,10 @@ use strahl_scene::plan::{
     ClipShape, Fetch, Jitter, Plan, PlanLight, PlanModule, Reconstruct, Sampling, Shade, Technique,
 };
 use strahl_shader::registry::Function;
-use strahl_shader::{Error, Fold, Module, Program, Selection, built_in};
+use strahl_shader::{
+    Error, Fold, Module, Parameter, Program, Selection, Slot, TECHNIQUE_SLOTS, TechniqueTexels,
+    built_in, slot,
+};
 
 /// The functions of a Plan, and the values of their parameters.
 #[derive(Debug)]
@@ -21,6 +24,73 @@ pub struct Functions {
 struct Values {
     module: Arc<Module>,
     values: Vec<(String, Vec<f64>)>,
+}
+
+/// Among which functions the techniques of a Plan choose: of each slot, in the order of their names.
+#[derive(Default)]
+struct Choices {
+    of_slots: Vec<(&'static Slot, Vec<Arc<Module>>)>,
+    /// What each layer's technique asks for.
+    of_layers: Vec<Vec<Values>>,
+}
+
+impl Choices {
+    fn of(plan: &Plan) -> Result<Choices, Error> {
+        let mut choices = Choices::default();
+        for technique in plan.drawn_techniques() {
+            let mut own = Functions {
+                selection: Selection::new(),
+                values: Vec::new(),
+            };
+            own.technique(technique)?;
+            choices.of_layers.push(own.values);
+        }
+        for name in TECHNIQUE_SLOTS
+            .into_iter()
+            .filter(|name| *name != "composite")
+        {
+            let Some(slot) = slot(name) else { continue };
+            let all = choices.of_layers.iter().flatten();
+            let mut modules: Vec<_> = all
+                .filter(|values| values.module.slot() == slot)
+                .map(|values| values.module.clone())
+                .collect();
+            modules.sort_by(|a, b| a.name().cmp(b.name()));
+            modules.dedup_by(|a, b| Arc::ptr_eq(a, b));
+            choices.of_slots.push((slot, modules));
+        }
+        Ok(choices)
+    }
+}
+
+/// What programs read of the technique of each layer; nothing if there is one, but for the tables.
+///
+/// # Errors
+/// None for a Plan that `resolve` made.
+pub(crate) fn choose(plan: &Plan, techniques: &mut [TechniqueTexels]) -> Result<(), Error> {
+    let choices = Choices::of(plan)?;
+    for (texels, values) in techniques.iter_mut().zip(&choices.of_layers) {
+        for (slot, modules) in &choices.of_slots {
+            let own = values.iter().find(|values| values.module.slot() == *slot);
+            let numbers = own.map(Values::numbers).unwrap_or_default();
+            let is_own =
+                |module: &Arc<Module>| own.is_some_and(|own| Arc::ptr_eq(&own.module, module));
+            let function = modules.iter().position(is_own).unwrap_or(modules.len());
+            texels.choose(slot, function, &numbers);
+        }
+    }
+    Ok(())
+}
+
+impl Values {
+    /// The values of all parameters, in their order.
+    fn numbers(&self) -> Vec<f64> {
+        let value = |parameter: &Parameter| {
+            let given = self.values.iter().find(|(name, _)| *name == parameter.name);
+            given.map_or_else(|| parameter.default.to_vec(), |(_, value)| value.clone())
+        };
+        self.module.parameters().iter().flat_map(value).collect()
+    }
 }
 
 impl Functions {
@@ -44,12 +114,26 @@ impl Functions {
         };
         functions.ray(plan, mask_threshold)?;
         functions.sample(plan, is_filtered)?;
+        let choices = if plan.has_one_technique() {
+            functions.technique(plan.technique())?;
+            Choices::default()
+        } else {
+            Choices::of(plan)?
+        };
         functions.light(plan)?;
         let composite = plan.technique().composite;
         functions.choose(composite.function(), composite.values())?;
         functions.modules(plan);
         let modules = functions.values.iter().map(|values| values.module.clone());
-        functions.selection = modules.fold(Selection::new(), Selection::with);
+        let selection = modules.fold(Selection::new(), Selection::with);
+        let choices = choices.of_slots.into_iter();
+        functions.selection = choices.fold(selection, |selection, (slot, modules)| {
+            // A function of the user takes the place of all.
+            match selection.of(slot) {
+                [] if !modules.is_empty() => selection.with_choice(slot, modules),
+                _ => selection,
+            }
+        });
         Ok(functions)
     }
 
@@ -154,7 +238,7 @@ impl Functions {
     }
 
     fn sample(&mut self, plan: &Plan, is_filtered: bool) -> Result<(), Error> {
-        let (field, technique) = (plan.field(), plan.technique());
+        let field = plan.field();
         self.choose(field.fetch.function(), field.fetch.values())?;
         // The texture unit knows what is stored only.
         let has_own_fetch = plan.modules.iter().any(|m| m.module.slot().name == "fetch");
@@ -168,6 +252,11 @@ impl Functions {
             way => way.function().name,
         };
         self.put("reconstruct", reconstruct, vec![])?;
+        self.choose(field.gradient.function(), field.gradient.values())
+    }
+
+    /// What `technique` alone asks for, but its composite.
+    fn technique(&mut self, technique: &Technique) -> Result<(), Error> {
         let Technique {
             classify,
             gradient_input,
@@ -175,11 +264,7 @@ impl Functions {
         } = technique;
         self.choose(classify.function(), classify.values())?;
         self.choose(gradient_input.function(), gradient_input.values())?;
-        self.choose(field.gradient.function(), field.gradient.values())
-    }
-
-    fn light(&mut self, plan: &Plan) -> Result<(), Error> {
-        let (ambient, illuminate, keep_last_normal) = match plan.technique().shade {
+        let (ambient, illuminate, keep_last_normal) = match technique.shade {
             Shade::Lit {
                 ambient,
                 illuminate,
@@ -197,7 +282,15 @@ impl Functions {
             "lit"
         };
         self.put("shade", shade, vec![("ambient", one(ambient))])?;
-        self.choose(illuminate.function(), illuminate.values())?;
+        self.choose(illuminate.function(), illuminate.values())
+    }
+
+    /// The lights, if anything but meshes is lit.
+    fn light(&mut self, plan: &Plan) -> Result<(), Error> {
+        let is_lit = |technique: &Technique| matches!(technique.shade, Shade::Lit { .. });
+        if !plan.drawn_techniques().any(is_lit) {
+            return Ok(());
+        }
         for light in &plan.lights {
             let color = |c: [f32; 3]| c.map(f64::from).to_vec();
             match *light {

@@ -33,7 +33,7 @@ pub use tables::{Table2d, noise_tile, stacked, tables};
 
 use std::sync::Arc;
 use strahl_scene::plan::Plan;
-use strahl_shader::{Error, Linker, Program, RayLoop, Texels, ray_loop};
+use strahl_shader::{Error, Linker, Program, RayLoop, Techniques, Texels, ray_loop};
 
 /// The program that draws `plan` where the texture unit interpolates the volumes; no device is needed.
 ///
@@ -45,6 +45,15 @@ pub fn program(plan: &Plan) -> Result<Arc<Program>, Error> {
     Linker::new().link(&skeleton, &functions.selection)
 }
 
+/// On what it depends by which technique a sample of `plan` is drawn.
+pub fn techniques_of(plan: &Plan) -> Techniques {
+    if plan.has_one_technique() {
+        Techniques::One
+    } else {
+        Techniques::OfObjects
+    }
+}
+
 /// The ray loop of `plan` over volumes that are all read in the same way.
 pub fn loop_of(plan: &Plan, texels: Texels) -> RayLoop {
     let volumes = plan.drawn_fields().map(|field| field.volume + 1).max();
@@ -52,6 +61,7 @@ pub fn loop_of(plan: &Plan, texels: Texels) -> RayLoop {
         volumes: vec![texels; volumes.unwrap_or(1)],
         objects: plan.layers.len(),
         is_before_geometry: !plan.meshes.is_empty(),
+        techniques: techniques_of(plan),
         is_finite: false,
     }
 }

@@ -1,9 +1,10 @@
 //! What programs read as textures beside the volumes.
 
 use crate::frame::Object;
+use crate::functions::choose;
 use strahl_scene::NoiseTile;
 use strahl_scene::plan::{Jitter, Plan};
-use strahl_shader::TABLE_ROW;
+use strahl_shader::{Error, TABLE_ROW, TECHNIQUE_TEXELS, TechniqueTexels};
 
 /// A table that a graph reads, linear RGBA, rows from the top.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,15 +18,48 @@ pub struct Table2d {
 }
 
 /// The transfer tables of all objects, whole rows of [`TABLE_ROW`] entries, each table from the start of a
-/// row on; tells `objects` where theirs begins.
-pub fn tables(plan: &Plan, objects: &mut [Object]) -> Vec<[f32; 4]> {
+/// row on; tells `objects` where theirs begins. Before them come the techniques, if there are several.
+///
+/// # Errors
+/// None for a Plan that `resolve` made.
+pub fn tables(plan: &Plan, objects: &mut [Object]) -> Result<Vec<[f32; 4]>, Error> {
+    let row = TABLE_ROW as usize;
     let mut entries = Vec::new();
-    for (layer, object) in objects.iter_mut().enumerate() {
-        object.table_first = entries.len() as u32;
-        entries.extend_from_slice(plan.technique_of(layer).table.entries());
-        entries.resize(entries.len().next_multiple_of(TABLE_ROW as usize), [0.0; 4]);
+    if !plan.has_one_technique() {
+        let texels = objects.len() * TECHNIQUE_TEXELS as usize;
+        entries.resize(texels.next_multiple_of(row), [0.0; 4]);
     }
-    entries
+    for (technique, object) in plan.drawn_techniques().zip(&mut *objects) {
+        object.table_first = entries.len() as u32;
+        entries.extend_from_slice(technique.table.entries());
+        entries.resize(entries.len().next_multiple_of(row), [0.0; 4]);
+    }
+    if !plan.has_one_technique() {
+        let texels = |object: &Object| {
+            let Object {
+                table_first,
+                table_entries,
+                table_domain,
+                steps_per_reference,
+                ..
+            } = *object;
+            TechniqueTexels::new(
+                table_first,
+                table_entries,
+                table_domain,
+                steps_per_reference,
+            )
+        };
+        let mut techniques: Vec<_> = objects.iter().map(texels).collect();
+        choose(plan, &mut techniques)?;
+        for (to, technique) in entries
+            .chunks_mut(TECHNIQUE_TEXELS as usize)
+            .zip(&techniques)
+        {
+            to.copy_from_slice(technique.texels());
+        }
+    }
+    Ok(entries)
 }
 
 /// The numbers that jitter repeats over the picture, row by row, and how many there are in a row.

@@ -11,6 +11,7 @@ use crate::problem::{Checker, Number};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::ops::Range;
 use std::sync::Arc;
 use strahl_shader::registry::Function;
 use strahl_shader::{Module, Parameter, SLOTS};
@@ -55,7 +56,33 @@ impl ParameterValue {
     }
 }
 
-/// Puts the functions that a scene names into its plan. `files` holds the modules of files by the
+/// The slots of which an object may have functions of its own.
+const OF_OBJECTS: [&str; 2] = ["classify", "gradient_input"];
+
+/// Puts the functions of the library that object number `object` of a scene names into layer number `layer`
+/// of its plan.
+pub(crate) fn apply_to_layer(
+    object: usize,
+    functions: &BTreeMap<String, FunctionUse>,
+    layer: usize,
+    plan: &mut Plan,
+    checker: &mut Checker,
+) {
+    for (slot, function) in functions {
+        let path = format!("objects[{object}].functions.{slot}");
+        if !OF_OBJECTS.contains(&slot.as_str()) {
+            let allowed = format!(
+                "{}; other functions are those of the scene, shading has a key of its own",
+                OF_OBJECTS.join(", ")
+            );
+            checker.add(&path, "given for an object", &allowed);
+            continue;
+        }
+        of_library(&path, slot, function, layer..layer + 1, plan, checker);
+    }
+}
+
+/// Puts the functions that a scene names into all layers of its plan. `files` holds the modules of files by the
 /// text that names them.
 pub(crate) fn apply(
     functions: &BTreeMap<String, FunctionUse>,
@@ -77,7 +104,7 @@ pub(crate) fn apply(
             continue;
         }
         if !function.is_file() {
-            of_library(&path, slot, function, plan, checker);
+            of_library(&path, slot, function, 0..plan.layers.len(), plan, checker);
             continue;
         }
         let Some(module) = files.get(&function.module) else {
@@ -109,11 +136,12 @@ pub(crate) fn apply(
     }
 }
 
-/// Says a function of the library in the words of the plan.
+/// Says a function of the library in the words of these layers of the plan.
 fn of_library(
     path: &str,
     slot: &str,
     wanted: &FunctionUse,
+    mut layers: Range<usize>,
     plan: &mut Plan,
     checker: &mut Checker,
 ) {
@@ -128,7 +156,6 @@ fn of_library(
     let Some(values) = values(path, wanted, function.parameters, checker) else {
         return;
     };
-    let mut layers = 0..plan.layers.len();
     if let Err(why) = layers.try_for_each(|layer| settle(function, &values, plan, layer)) {
         let name = format!("{:?}", wanted.module);
         checker.add(format!("{path}.module"), name, &why);

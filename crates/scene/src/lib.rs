@@ -70,10 +70,9 @@ pub use problem::{Problem, Problems};
 pub use rendered::{Counts, Rendered, Stats};
 pub use resolve::{resolve, resolve_with};
 pub use sampling::{Sampling, SamplingRule};
-pub use scene::{
-    Compositing, Display, Gradient, Jitter, LabelSource, Quality, Scene, Shading, ToneMap,
-};
+pub use scene::{Compositing, Display, Gradient, Jitter, LabelSource, Quality, Scene, ToneMap};
 pub use settled::{FORMAT, settled, settled_with};
+pub use shading::Shading;
 pub use source::{OtherData, Source};
 pub use step::MAX_SAMPLES_PER_RAY;
 pub use transfer_function::{PointsIn, TransferFunction, TransferPoint};

@@ -1,11 +1,12 @@
 //! What a scene draws beside its own volume: further volumes, meshes, and groups that move them.
 
 use crate::problem::{Checker, Within};
-use crate::{Color, TransferFunction, VolumeSource};
+use crate::{Color, FunctionUse, Shading, TransferFunction, VolumeSource};
 use glam::{DAffine3, DMat3, DQuat, DVec3, EulerRot};
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// A volume, a mesh, or a group (none of the two) in the scene.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -39,6 +40,12 @@ pub struct SceneObject {
     /// Value → colour and opacity of a volume.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub transfer_function: Option<TransferFunction>,
+    /// How samples of a volume are lit; default as the scene says.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub shading: Option<Shading>,
+    /// Functions of the library for the slots `classify` and `gradient_input` of a volume; default as the scene says.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub functions: Option<BTreeMap<String, FunctionUse>>,
 }
 
 /// Where something is put: first scaled, then turned, both about `about`, then moved.
@@ -219,6 +226,8 @@ pub(crate) fn check(objects: &[SceneObject], checker: &mut Checker) {
                 "transfer_function",
                 object.is_volume(),
             ),
+            (object.shading.is_some(), "shading", object.is_volume()),
+            (object.functions.is_some(), "functions", object.is_volume()),
         ] {
             if given && !fits {
                 checker.add(

@@ -164,6 +164,23 @@ impl Plan {
         &self.techniques[self.layers[layer].technique]
     }
 
+    /// The techniques of the layers, in their order.
+    pub fn drawn_techniques(&self) -> impl Iterator<Item = &Technique> {
+        let technique = |layer: &Layer| &self.techniques[layer.technique];
+        self.layers.iter().map(technique)
+    }
+
+    /// Whether all layers are drawn in the same way, but for their tables.
+    pub fn has_one_technique(&self) -> bool {
+        let first = self.technique();
+        self.drawn_techniques().all(|technique| {
+            technique.classify == first.classify
+                && technique.gradient_input == first.gradient_input
+                && technique.shade == first.shade
+                && technique.composite == first.composite
+        })
+    }
+
     /// Adds a layer that shows `field` by `technique`.
     pub fn add_layer(&mut self, field: Field, technique: Technique) {
         self.layers.push(Layer {

@@ -99,9 +99,13 @@ fn plan(settled: &Settled, headers: &Headers, checker: &mut Checker) -> Option<P
     };
     let header = &headers.volumes[0];
     let tables = plan_tables(settled, headers, compositing, checker);
-    let shade = settled.shading.plan(settled.composite.method, checker);
+    let method = settled.composite.method;
+    let shade = settled.shading.plan("shading", method, checker);
+    let own_shades = plan_shades(settled, checker);
     let camera = settled.camera.plan(&settled.framed.grid, size, checker);
-    let lights = plan_lights(settled, &shade, camera.as_ref(), compositing, checker);
+    let is_lit = |shade: &Shade| matches!(shade, Shade::Lit { .. });
+    let any_lit = is_lit(&shade) || own_shades.iter().flatten().any(is_lit);
+    let lights = plan_lights(settled, any_lit, camera.as_ref(), compositing, checker);
     let clips = plan_clips(settled, headers, checker);
     let window = settled.volumes[0].function.window;
     let composite = settled.composite.plan(window, header, checker);
@@ -119,7 +123,7 @@ fn plan(settled: &Settled, headers: &Headers, checker: &mut Checker) -> Option<P
         meshes,
         lattice,
         sampling,
-        lights,
+        lights: lights.clone(),
         ray_clips: clips.planes,
         sample_clips: clips.shapes,
         modules: Vec::new(),
@@ -146,6 +150,17 @@ fn plan(settled: &Settled, headers: &Headers, checker: &mut Checker) -> Option<P
         plan.add_layer(plan_field(settled, volume, headers), technique);
     }
     function::apply(&settled.functions, &headers.modules, &mut plan, checker);
+    for (layer, (volume, shade)) in settled.volumes.iter().zip(own_shades).enumerate() {
+        let number = plan.layers[layer].technique;
+        let technique = &mut plan.techniques[number];
+        technique.shade = shade.unwrap_or(technique.shade);
+        if let Some(object) = volume.place.object {
+            function::apply_to_layer(object, &volume.functions, layer, &mut plan, checker);
+        }
+    }
+    if plan.lights.is_empty() && plan.drawn_techniques().any(|t| is_lit(&t.shade)) {
+        plan.lights = lights;
+    }
     check_together(&plan, checker);
     Some(plan)
 }
@@ -159,9 +174,10 @@ fn check_together(plan: &Plan, checker: &mut Checker) {
             "emission-absorption: values of different volumes cannot be compared; or one volume",
         );
     }
-    if plan.technique().gradient_input == PlanGradientInput::Opacity
-        && matches!(plan.technique().classify, Classify::GradientTable { .. })
-    {
+    let takes_opacity = |t: &Technique| t.gradient_input == PlanGradientInput::Opacity;
+    let needs_gradient = |t: &Technique| matches!(t.classify, Classify::GradientTable { .. });
+    // Of two techniques, too: in programs one's classification would call the other's.
+    if plan.drawn_techniques().any(takes_opacity) && plan.drawn_techniques().any(needs_gradient) {
         checker.add(
             "gradient.of",
             "\"opacity\" with a transfer function that needs the gradient itself",
@@ -204,14 +220,24 @@ fn plan_field(settled: &Settled, volume: &SettledVolume, headers: &Headers) -> F
     }
 }
 
+/// How the volumes are shaded whose objects say so.
+fn plan_shades(settled: &Settled, checker: &mut Checker) -> Vec<Option<Shade>> {
+    let mut shade = |volume: &SettledVolume| {
+        let path = format!("objects[{}].shading", volume.place.object?);
+        let shading = volume.shading.as_ref()?;
+        Some(shading.plan(&path, settled.composite.method, checker))
+    };
+    settled.volumes.iter().map(&mut shade).collect()
+}
+
 fn plan_lights(
     settled: &Settled,
-    shade: &Shade,
+    is_lit: bool,
     camera: Option<&PlanCamera>,
     compositing: PlanCompositing,
     checker: &mut Checker,
 ) -> Vec<PlanLight> {
-    if !matches!(shade, Shade::Lit { .. }) && settled.meshes.is_empty() {
+    if !is_lit && settled.meshes.is_empty() {
         return Vec::new();
     }
     // Lights of a scene whose camera is wrong are checked all the same.

@@ -4,7 +4,7 @@ use crate::plan;
 use crate::problem::{Checker, Number, Within};
 use crate::{
     Background, Camera, Clip, DebugView, FunctionUse, GradientInput, GradientMethod, GraphText,
-    Light, Method, Placement, Reconstruct, Sampling, SceneObject, ShadingModel, TransferFunction,
+    Light, Method, Placement, Reconstruct, Sampling, SceneObject, Shading, TransferFunction,
     VolumeSource,
 };
 #[cfg(feature = "schema")]
@@ -162,41 +162,6 @@ pub struct Gradient {
     /// Of what; default `value`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub of: Option<GradientInput>,
-}
-
-/// How light and surface make a colour.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
-#[serde(default, deny_unknown_fields)]
-pub struct Shading {
-    /// The model.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub model: Option<ShadingModel>,
-    /// Share of the colour that is there without light, 0 to 10.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub ambient: Option<f64>,
-    /// Share of the colour that follows the angle to the light, 0 to 10.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub diffuse: Option<f64>,
-    /// Strength of the white highlight, 0 to 10.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub specular: Option<f64>,
-    /// Exponent of the highlight, above 0 to 1000: the larger, the smaller the highlight.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub shininess: Option<f64>,
-    /// `cook-torrance`: how rough the surface is, 0.05 to 1.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub roughness: Option<f64>,
-    /// `cook-torrance`: share of the light that is mirrored head on, 0 to 1.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub reflectance: Option<f64>,
-    /// Where there is no gradient, the last normal of the ray lights the sample; default false.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub keep_last_normal: Option<bool>,
-    /// `gradient-opacity`: the gradient magnitude that leaves the opacity as it is, in values per mm;
-    /// default chosen from the data.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub full_per_mm: Option<f64>,
 }
 
 /// Where in its step a sample lies.

@@ -16,7 +16,8 @@ use crate::step::Step;
 use crate::transfer_function::SettledFunction;
 use crate::{
     Background, Color, Compositing, FunctionUse, Gradient, GradientInput, GradientMethod, Headers,
-    Jitter, Light, Method, PresetInfo, Quality, Reconstruct, Scene, SceneObject, TransferFunction,
+    Jitter, Light, Method, PresetInfo, Quality, Reconstruct, Scene, SceneObject, ShadingModel,
+    TransferFunction,
 };
 use std::collections::BTreeMap;
 use strahl_volume::VolumeHeader;
@@ -77,6 +78,10 @@ pub(crate) struct SettledVolume {
     pub place: PlacedVolume,
     pub preset: Option<&'static PresetInfo>,
     pub function: SettledFunction,
+    /// `None` shades as the scene says.
+    pub shading: Option<SettledShading>,
+    /// In place of those of the scene.
+    pub functions: BTreeMap<String, FunctionUse>,
 }
 
 /// A mesh that is drawn.
@@ -119,7 +124,10 @@ impl Settled {
             meshes,
             framed,
         } = Places::new(scene, headers, checker);
-        let is_lit = shading.model.is_lit() || !meshes.is_empty();
+        let of_objects = scene.objects.iter().flatten();
+        let mut models = of_objects.filter_map(|object| object.shading?.model);
+        let is_lit =
+            shading.model.is_lit() || models.any(ShadingModel::is_lit) || !meshes.is_empty();
         let lights = settled_lights(scene, &from_preset, is_lit, checker);
         let camera = scene.camera.unwrap_or_default();
         let clips = scene.clips.iter().flatten().enumerate();
@@ -214,6 +222,9 @@ impl Settled {
             if let Some(object) = volume.place.object.map(|i| &mut objects[i]) {
                 object.preset = object.preset.take().or_else(|| name_of(volume.preset));
                 object.transfer_function = Some(volume.function.scene());
+                if let (Some(own), Some(settled)) = (&mut object.shading, &volume.shading) {
+                    *own = own.filled(settled);
+                }
             }
         }
         Some(objects)
@@ -293,7 +304,14 @@ fn settled_volumes(
             }
         };
         let preset = preset(named, chosen_for, header);
-        let from_preset = preset.and_then(|preset| preset.scene().transfer_function);
+        let from_preset = preset.map(PresetInfo::scene).unwrap_or_default();
+        let object = place
+            .object
+            .map(|i| &scene.objects.as_deref().unwrap_or(&[])[i]);
+        let shading = object.and_then(|object| object.shading);
+        let from_preset_shading = from_preset.shading.unwrap_or_default();
+        let functions = object.and_then(|object| object.functions.clone());
+        let from_preset = from_preset.transfer_function;
         let own = function.clone().unwrap_or_default();
         let function: TransferFunction = match from_preset {
             Some(preset) => own.over(&preset),
@@ -302,6 +320,8 @@ fn settled_volumes(
         SettledVolume {
             function: function.settled(method, header, &path, checker),
             preset,
+            shading: shading.map(|own| own.settled(from_preset_shading, method, header)),
+            functions: functions.unwrap_or_default(),
             place,
         }
     };

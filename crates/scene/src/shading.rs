@@ -3,8 +3,46 @@
 use crate::plan::Shade;
 use crate::problem::{Checker, Within};
 use crate::window::steep_per_mm;
-use crate::{Method, Shading, ShadingModel};
+use crate::{Method, ShadingModel};
+#[cfg(feature = "schema")]
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 use strahl_volume::VolumeHeader;
+
+/// How light and surface make a colour.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(default, deny_unknown_fields)]
+pub struct Shading {
+    /// The model.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub model: Option<ShadingModel>,
+    /// Share of the colour that is there without light, 0 to 10.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ambient: Option<f64>,
+    /// Share of the colour that follows the angle to the light, 0 to 10.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub diffuse: Option<f64>,
+    /// Strength of the white highlight, 0 to 10.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub specular: Option<f64>,
+    /// Exponent of the highlight, above 0 to 1000: the larger, the smaller the highlight.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub shininess: Option<f64>,
+    /// `cook-torrance`: how rough the surface is, 0.05 to 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub roughness: Option<f64>,
+    /// `cook-torrance`: share of the light that is mirrored head on, 0 to 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reflectance: Option<f64>,
+    /// Where there is no gradient, the last normal of the ray lights the sample; default false.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub keep_last_normal: Option<bool>,
+    /// `gradient-opacity`: the gradient magnitude that leaves the opacity as it is, in values per mm;
+    /// default chosen from the data.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub full_per_mm: Option<f64>,
+}
 
 /// [`Shading`] with a number for everything, also for what the model does not ask for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -82,9 +120,10 @@ impl Shading {
 const SMALLEST_PER_MM: f64 = 1e-30;
 
 impl SettledShading {
-    pub fn plan(&self, method: Method, checker: &mut Checker) -> Shade {
+    /// What is wrong stands under the key `path`.
+    pub fn plan(&self, path: &str, method: Method, checker: &mut Checker) -> Shade {
         let mut number = |key: &str, value: f64, within: Within| {
-            checker.number(&format!("shading.{key}"), value, within);
+            checker.number(&format!("{path}.{key}"), value, within);
             value as f32
         };
         let share = Within::Closed(0.0, 10.0);
@@ -118,7 +157,7 @@ impl SettledShading {
         let has_place = (method.function()).is_none_or(|function| function.has_place);
         let Some(illuminate) = illuminate.filter(|_| has_place) else {
             checker.add(
-                "shading.model",
+                format!("{path}.model"),
                 format!("{:?} with method {:?}", self.model.name(), method.name()),
                 "\"unlit\" (or nothing): such a projection has no surface",
             );

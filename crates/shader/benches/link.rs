@@ -5,13 +5,14 @@
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
-use strahl_shader::{Linker, RayLoop, Selection, Texels, built_in, ray_loop};
+use strahl_shader::{Linker, RayLoop, Selection, Techniques, Texels, built_in, ray_loop};
 
 fn link(criterion: &mut Criterion) {
     let skeleton = ray_loop(&RayLoop {
         volumes: vec![Texels::Float],
         objects: 1,
         is_before_geometry: false,
+        techniques: Techniques::One,
         is_finite: false,
     })
     .unwrap();

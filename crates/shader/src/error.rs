@@ -63,6 +63,18 @@ pub enum Error {
         /// How many there may be.
         most: usize,
     },
+    /// A function with more parameters than a technique holds.
+    #[error(
+        "{module} takes {count} numbers as parameters; where techniques choose it, it may take {most}"
+    )]
+    Parameters {
+        /// The function.
+        module: String,
+        /// How many numbers it takes.
+        count: usize,
+        /// How many a technique holds.
+        most: usize,
+    },
     /// A rule of sampling that only the processor's own ray loop has.
     #[error(
         "the ray loop of shader programs takes one sample at every lattice point, and sampling.rule is {rule:?}; draw without a graph and by the processor's own loop, or with rule \"regular\""

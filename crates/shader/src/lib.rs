@@ -8,7 +8,7 @@
 //!
 //! ```
 //! use std::sync::Arc;
-//! use strahl_shader::{Linker, Module, RayLoop, Selection, Texels, built_in, ray_loop};
+//! use strahl_shader::{Linker, Module, RayLoop, Selection, Techniques, Texels, built_in, ray_loop};
 //!
 //! let halved = Module::parse("halved", "halved.wgsl", "
 //!     struct Params {
@@ -26,7 +26,13 @@
 //!     .with(built_in("reconstruct", "trilinear")?)
 //!     .with(Arc::new(halved))
 //!     .with(built_in("composite", "emission_absorption")?);
-//! let one = RayLoop { volumes: vec![Texels::Float], objects: 1, is_before_geometry: false, is_finite: false };
+//! let one = RayLoop {
+//!     volumes: vec![Texels::Float],
+//!     objects: 1,
+//!     is_before_geometry: false,
+//!     techniques: Techniques::One,
+//!     is_finite: false,
+//! };
 //! let program = Linker::new().link(&ray_loop(&one)?, &selection)?;
 //! let mut parameters = program.default_parameters();
 //! program.set(&mut parameters, "classify", "share", &[0.25])?;
@@ -46,6 +52,7 @@ mod program;
 pub mod registry;
 mod skeleton;
 mod slot;
+mod technique;
 mod token;
 
 pub use cost::{Cost, Work};
@@ -57,6 +64,7 @@ pub use parameter::{Beside, Parameter, Scalar};
 pub use program::{Block, Origin, Program};
 pub use skeleton::{
     BRICK_VOXELS, MOST_MASKS, MOST_OBJECTS, NOWHERE_MM, PAGE_VOXELS, RayLoop, Skeleton, TABLE_ROW,
-    Texels, bindings, graph_loop, ray_loop, surrounding_words,
+    Techniques, Texels, bindings, graph_loop, ray_loop, surrounding_words,
 };
 pub use slot::{Fold, SLOTS, SUPPLIED, Signature, Slot, slot};
+pub use technique::{TECHNIQUE_SLOTS, TECHNIQUE_TEXELS, TechniqueTexels};

@@ -10,9 +10,10 @@ use crate::program::{Block, Passage, Program};
 use crate::registry::Function;
 use crate::skeleton::{Skeleton, bindings};
 use crate::slot::{Fold, SLOTS, SUPPLIED, Signature, Slot};
+use crate::technique;
 use crate::token::{Declared, Token, closing, declarations, tokens};
 use naga::TypeInner;
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::fmt::Write;
 use std::ops::Range;
 use std::sync::Arc;
@@ -24,6 +25,8 @@ pub const MOST_TURNS: u32 = 65_536;
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Selection {
     modules: BTreeMap<usize, Vec<Arc<Module>>>,
+    /// The slots of which the technique of a sample chooses the function.
+    chosen: BTreeSet<usize>,
 }
 
 impl Selection {
@@ -39,6 +42,21 @@ impl Selection {
         let slot = index(module.slot());
         self.modules.entry(slot).or_default().push(module);
         self
+    }
+
+    /// Puts the functions into a slot among which the technique of each sample chooses, by their place in
+    /// `modules`; the number of them, if the slot has a null function, chooses that one. Their parameters
+    /// belong to the technique, too.
+    #[must_use]
+    pub fn with_choice(mut self, slot: &Slot, modules: Vec<Arc<Module>>) -> Selection {
+        self.chosen.insert(index(slot));
+        self.modules.insert(index(slot), modules);
+        self
+    }
+
+    /// Whether the technique of each sample chooses the function of a slot.
+    pub fn is_choice(&self, slot: &Slot) -> bool {
+        self.chosen.contains(&index(slot))
     }
 
     /// Whether all functions are of the library.
@@ -126,7 +144,11 @@ fn link(skeleton: &Skeleton, selection: &Selection) -> Result<Program, Error> {
     writer.line("");
     writer.line(PRELUDE);
     for slot in reach.slots() {
-        writer.slot(slot, selection.of(slot));
+        if selection.is_choice(slot) {
+            writer.choice(slot, selection.of(slot))?;
+        } else {
+            writer.slot(slot, selection.of(slot));
+        }
     }
     if reach.lighting {
         writer.lighting();
@@ -294,7 +316,7 @@ impl<'s> Reach<'s> {
                 known: Function::names(slot.name).join(", "),
             });
         }
-        if modules.len() > 1 && slot.fold == Fold::One {
+        if modules.len() > 1 && slot.fold == Fold::One && !self.selection.is_choice(slot) {
             return Err(Error::Crowded {
                 slot: slot.name,
                 modules: modules.iter().map(|m| m.name().to_owned()).collect(),
@@ -410,8 +432,48 @@ impl<'s> Writer<'s> {
         }
     }
 
+    /// All functions of a slot, and the call that chooses one by the technique of the sample.
+    fn choice(&mut self, slot: &'static Slot, modules: &[Arc<Module>]) -> Result<(), Error> {
+        let number = modules.len() + usize::from(slot.null.is_some());
+        let (mut labels, mut states) = (Vec::new(), Vec::new());
+        for (i, module) in modules.iter().enumerate() {
+            let label = match number {
+                1 => slot.name.to_owned(),
+                _ => self.unique(format!("{}_{i}", slot.name)),
+            };
+            states.extend(self.module_in(module, label.clone(), number > 1, true)?);
+            labels.push(label);
+        }
+        if number > 1 {
+            self.line(&format!(
+                "// ---- {}: the function of the technique ----",
+                slot.name
+            ));
+            let place = technique::place(slot);
+            let text = match slot.functions {
+                [function] => technique::one_of(function, slot.null, &labels, place),
+                functions => technique::rule_of(functions, &labels, &states, place),
+            };
+            self.line(&text);
+        }
+        Ok(())
+    }
+
     /// The text of a module with its names made its own.
     fn module(&mut self, module: &Arc<Module>, label: String) {
+        // Only choices can be refused.
+        let _ = self.module_in(module, label, false, false);
+    }
+
+    /// The same; the functions of one that is `numbered` are called by its label, and the parameters of one
+    /// that is `chosen` are those of the technique. Gives the name of its type `State`, if it has one.
+    fn module_in(
+        &mut self,
+        module: &Arc<Module>,
+        label: String,
+        numbered: bool,
+        chosen: bool,
+    ) -> Result<Option<String>, Error> {
         let mut names = HashMap::new();
         for declaration in &module.declarations {
             let own = &declaration.name;
@@ -421,7 +483,7 @@ impl<'s> Writer<'s> {
                 "CompositeState".to_owned()
             } else if own == module.main() && module.slot().functions.len() < 2 {
                 label.clone()
-            } else if is_function_of_slot {
+            } else if is_function_of_slot && !numbered {
                 continue;
             } else if matches!(declaration.kind, Declared::Struct | Declared::Alias) {
                 self.unique(camel_case(&label) + own)
@@ -430,7 +492,11 @@ impl<'s> Writer<'s> {
             };
             names.insert(own.as_str(), name);
         }
-        if module.parameter_bytes() > 0 {
+        if module.parameter_bytes() > 0 && chosen {
+            let load = self.unique(format!("{label}_params"));
+            self.line(&technique::parameters(module, &load, &names["Params"])?);
+            names.insert("params", load + "()");
+        } else if module.parameter_bytes() > 0 {
             names.insert("params", format!("{}.{label}", self.parameters));
             self.blocks.push(Block {
                 label: label.clone(),
@@ -480,6 +546,7 @@ impl<'s> Writer<'s> {
         });
         self.wgsl.push_str(&source[copied..]);
         self.line("\n");
+        Ok(names.remove("State"))
     }
 
     fn lighting(&mut self) {

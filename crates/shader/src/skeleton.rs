@@ -82,9 +82,20 @@ pub struct RayLoop {
     pub objects: usize,
     /// Whether opaque geometry is behind the volumes, and not only the background.
     pub is_before_geometry: bool,
+    /// Of what the functions that are drawn by depend.
+    pub techniques: Techniques,
     /// Whether every value is known to be finite, so that nothing has to be checked: volumes of whole
     /// numbers, and only functions of the library.
     pub is_finite: bool,
+}
+
+/// On what it depends by which technique a sample is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Techniques {
+    /// There is one, but for the table, of which each object has its own.
+    One,
+    /// Each object has its own: technique number n is that of object n.
+    OfObjects,
 }
 
 /// Objects, and volumes, in one ray loop.
@@ -194,6 +205,8 @@ pub fn surrounding_words() -> &'static HashSet<&'static str> {
     static WORDS: LazyLock<HashSet<&'static str>> = LazyLock::new(|| {
         let texts = [
             include_str!("../skeleton/ray.wgsl"),
+            include_str!("../skeleton/technique.wgsl"),
+            include_str!("../skeleton/technique_of_object.wgsl"),
             include_str!("../skeleton/entry.wgsl"),
             include_str!("../skeleton/graph.wgsl"),
             include_str!("../skeleton/graph_one.wgsl"),
@@ -228,6 +241,7 @@ fn skeleton(what: &RayLoop, kind: &str, march: &str) -> Result<Skeleton, Error> 
         volumes,
         objects,
         is_before_geometry,
+        techniques,
         is_finite,
     } = what;
     for (what, number) in [("volumes", volumes.len()), ("objects", *objects)] {
@@ -247,9 +261,15 @@ fn skeleton(what: &RayLoop, kind: &str, march: &str) -> Result<Skeleton, Error> 
     };
     let mut wgsl = format!("const OBJECTS: u32 = {number}u;\n\n");
     wgsl.push_str(&textures(volumes));
-    wgsl.push_str(include_str!("../skeleton/ray.wgsl"));
-    wgsl.push('\n');
-    wgsl.push_str(march);
+    let loop_over_objects = format!("{}\n{march}", include_str!("../skeleton/ray.wgsl"));
+    match techniques {
+        Techniques::One => wgsl.push_str(&loop_over_objects),
+        Techniques::OfObjects => {
+            wgsl.push_str(&of_techniques(&loop_over_objects));
+            wgsl.push_str(include_str!("../skeleton/technique.wgsl"));
+            wgsl.push_str(include_str!("../skeleton/technique_of_object.wgsl"));
+        }
+    }
     let look = if march.contains("composite_of_look(") {
         include_str!("../skeleton/look_of_nodes.wgsl")
     } else if one {
@@ -293,6 +313,26 @@ fn skeleton(what: &RayLoop, kind: &str, march: &str) -> Result<Skeleton, Error> 
         functions: Vec::new(),
         objects: *objects,
     })
+}
+
+/// The loop with what belongs to a technique, where it is that of an object in `text`, read from the
+/// technique.
+fn of_techniques(text: &str) -> String {
+    let of_object = "frame.objects[object()]";
+    let domain = "technique_numbers(0u).zw";
+    text.replace(&format!("{of_object}.table_domain"), domain)
+        .replace(
+            &format!("{of_object}.table_entries"),
+            "u32(technique_numbers(0u).y)",
+        )
+        .replace(
+            &format!("{of_object}.steps_per_reference"),
+            "technique_numbers(1u).x",
+        )
+        .replace(
+            "frame.objects[current].table_first",
+            "u32(technique_numbers(0u).x)",
+        )
 }
 
 /// The textures of the volumes.

@@ -18,10 +18,10 @@ pub struct Shading {
 }
 
 impl Shading {
-    /// The shading of `plan`.
-    pub fn new(plan: &Plan) -> Shading {
+    /// Shading by `model` under the lights of `plan`.
+    pub fn new(model: Shade, plan: &Plan) -> Shading {
         Shading {
-            model: plan.technique().shade,
+            model,
             lights: Light::all(plan),
         }
     }

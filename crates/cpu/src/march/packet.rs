@@ -261,7 +261,6 @@ impl<'s, S: Level> Packet<'s, S> {
         }
         let value = self.value(object, position, sampled);
         object.look(
-            &self.scenery.shading,
             value,
             position,
             self.to_eye,
@@ -308,7 +307,6 @@ impl<'s, S: Level> Packet<'s, S> {
         sampled: Mask<S>,
     ) -> Look<S> {
         object.look(
-            &self.scenery.shading,
             value,
             position,
             self.to_eye,

@@ -235,7 +235,7 @@ impl<S: Level> Packet<'_, S> {
                 after.is_finite().select(after, ends[1]),
             ];
         }
-        let is_lit = !self.scenery.shading.is_unlit();
+        let is_lit = !object.shading.is_unlit();
         let gradients = match inside {
             Inside::Between(_) if is_lit => self.gradients(object, window, segment),
             _ => [[zero; 3]; 2],
@@ -308,7 +308,6 @@ impl<S: Level> Packet<'_, S> {
         let begin = is_first.select(ends[0].lerp(ends[1], from), ends[0]);
         let end = is_tail.select(ends[0].lerp(ends[1], to), ends[1]);
         let look = object.look_of_segment(
-            &self.scenery.shading,
             integrals,
             [begin, end],
             share,
@@ -362,7 +361,6 @@ impl<S: Level> Packet<'_, S> {
             each!([0, 1, 2], |c| begin[c].lerp(end[c], F32s::splat(part)))
         };
         object.look_by(
-            &self.scenery.shading,
             value,
             gradient,
             position,

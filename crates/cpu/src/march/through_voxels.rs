@@ -54,7 +54,7 @@ impl<S: Level> Packet<'_, S> {
     fn through<T: Sample>(&mut self, object: &Object<S>, voxels: &Linear<T>) {
         if let Composite::FirstHit { threshold } = self.scenery.composite {
             self.until_hit(object, voxels, FirstHit { threshold });
-        } else if self.scenery.shading.is_unlit() {
+        } else if object.shading.is_unlit() {
             self.unlit(object, voxels);
         } else {
             self.lit(object, voxels);
@@ -226,14 +226,7 @@ impl<S: Level> Packet<'_, S> {
                 let to_eye = each!([0, 1, 2], |axis| F32s::picked(&waiting.to_eye[axis], ray));
                 let surface = object.table.at(value);
                 let mut unkept = [F32s::zero(); 3];
-                let surface = object.shade(
-                    &self.scenery.shading,
-                    surface,
-                    position,
-                    to_eye,
-                    asked,
-                    &mut unkept,
-                );
+                let surface = object.shade(surface, position, to_eye, asked, &mut unkept);
                 let [r, g, b] = each!(surface.colour, |c| share * c);
                 let seen = to_rows([r, g, b, F32s::zero()]);
                 let rays = ray.to_array();

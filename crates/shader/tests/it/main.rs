@@ -4,7 +4,7 @@ mod hostile;
 mod library;
 mod messages;
 
-use strahl_shader::{RayLoop, Skeleton, Texels, ray_loop};
+use strahl_shader::{RayLoop, Skeleton, Techniques, Texels, ray_loop};
 
 /// The ray loop over one object.
 fn one(texels: Texels) -> Skeleton {
@@ -18,6 +18,7 @@ fn loop_over(volumes: &[Texels], objects: usize) -> Skeleton {
         volumes,
         objects,
         is_before_geometry: objects > 1,
+        techniques: Techniques::One,
         is_finite: volumes_are_whole,
     })
     .unwrap()

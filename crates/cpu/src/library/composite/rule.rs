@@ -83,15 +83,8 @@ impl<'s, S: Level> Crossing<'s, S> {
         shaded: Mask<S>,
         last_normal: &mut Vec3s<S>,
     ) -> Surface<S> {
-        let shading = &self.scenery.shading;
-        self.object().shade(
-            shading,
-            surface,
-            position,
-            *self.to_eye,
-            shaded,
-            last_normal,
-        )
+        self.object()
+            .shade(surface, position, *self.to_eye, shaded, last_normal)
     }
 
     /// `value` at the place of each ray's state classified and shaded once, nothing where none was `found`.
@@ -102,7 +95,7 @@ impl<'s, S: Level> Crossing<'s, S> {
             || {
                 let position = self.line().position(state.place);
                 let mut surface = self.object().classify(value, position, found);
-                if !self.scenery.shading.is_unlit() {
+                if !self.object().shading.is_unlit() {
                     surface = self.shade(surface, position, found, &mut state.last_normal);
                 }
                 let alpha = found.select(surface.opacity, F32s::zero());
@@ -140,7 +133,6 @@ impl<S: Level> Sample<'_, S> {
     #[inline(always)]
     pub fn look(&self, last_normal: &mut Vec3s<S>) -> Look<S> {
         self.object.look(
-            &self.crossing.scenery.shading,
             self.value,
             self.position,
             *self.crossing.to_eye,

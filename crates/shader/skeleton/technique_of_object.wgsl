@@ -1,0 +1,3 @@
+fn technique() -> u32 {
+    return object();
+}
