@@ -8,8 +8,13 @@
 mod character_set;
 mod elements;
 mod frames;
+mod image;
 mod in_parallel;
+mod jpeg_lossless;
 mod jpeg_ls;
+mod keys;
+mod mosaic;
+mod nuclear;
 mod pixels;
 mod rle;
 mod series;
@@ -20,7 +25,8 @@ mod tags;
 use super::{Bytes, Files, Input, Loaded, ReadOptions};
 use crate::error::{Error, ErrorKind};
 use crate::{Grid, Metadata, Modality, Rescale, Sample, SampleType, Samples, Volume};
-use frames::{Frame, Image};
+use frames::Frame;
+use image::Image;
 use in_parallel::in_parallel;
 use pixels::Source;
 pub use series::SeriesSummary;
@@ -151,6 +157,7 @@ fn assemble(
     mut notes: Vec<String>,
 ) -> Result<Loaded, Error> {
     drop_copies(&mut images, &mut notes);
+    note_mislabelled(&images, &mut notes);
     let frames = place(&images, options, &mut notes)?;
     let set = images[frames[0].image].set();
     let thickness = match set.decimal(tags::SPACING_BETWEEN_SLICES)? {
@@ -198,6 +205,21 @@ fn assemble(
     })
 }
 
+fn note_mislabelled(images: &[Image], notes: &mut Vec<String>) {
+    let mut odd = images.iter().filter(|image| image.elements.is_mislabelled);
+    if let Some(first) = odd.next() {
+        let written = match first.elements.syntax.is_explicit {
+            true => "explicit",
+            false => "implicit",
+        };
+        notes.push(format!(
+            "the elements of {} files have {written} value representations, though the transfer syntax says otherwise (first in {})",
+            1 + odd.count(),
+            first.name
+        ));
+    }
+}
+
 /// The same image in two files, as exports with several folders have it, counts once.
 fn drop_copies(images: &mut Vec<Image>, notes: &mut Vec<String>) {
     let mut seen = BTreeMap::new();
@@ -221,15 +243,15 @@ fn place(
     notes: &mut Vec<String>,
 ) -> Result<Vec<Frame>, Error> {
     let mut groups: Vec<Vec<Frame>> = Vec::new();
-    let mut unplaced: Option<&str> = None;
+    let mut unplaced: Option<(&str, tags::Tag)> = None;
     let mut unsupported: Option<Error> = None;
     let (mut unplaced_count, mut unsupported_count) = (0, 0);
     for (number, image) in images.iter().enumerate() {
         let frames = match frames::of_image(number, image, options, notes) {
-            Ok(Some(frames)) => frames,
-            Ok(None) => {
+            Ok(Ok(frames)) => frames,
+            Ok(Err(missing)) => {
                 unplaced_count += 1;
-                unplaced.get_or_insert(&image.name);
+                unplaced.get_or_insert((&image.name, missing));
                 continue;
             }
             Err(error) if matches!(error.kind(), ErrorKind::Unsupported { .. }) => {
@@ -255,11 +277,14 @@ fn place(
     let Some(largest) = largest else {
         return Err(match (unsupported, unplaced) {
             (Some(error), _) => error,
-            (None, name) => Error::from(ErrorKind::Missing {
-                field: tags::field_name(tags::IMAGE_POSITION_PATIENT),
-                allowed: "slices without a place in the patient make no volume; save them as PNG or TIFF and say the spacing when those are read".into(),
-            })
-            .in_file(name.unwrap_or_default()),
+            (None, unplaced) => {
+                let (name, missing) = unplaced.unwrap_or(("", tags::IMAGE_POSITION_PATIENT));
+                Error::from(ErrorKind::Missing {
+                    field: tags::field_name(missing),
+                    allowed: "slices without a place in the patient make no volume; save them as PNG or TIFF and say the spacing when those are read".into(),
+                })
+                .in_file(name)
+            }
         });
     };
     let chosen = groups.swap_remove(largest);
@@ -282,9 +307,10 @@ fn place(
             images[frame.image].name
         ));
     }
-    if let Some(name) = unplaced {
+    if let Some((name, missing)) = unplaced {
         notes.push(format!(
-            "{unplaced_count} images without a place in the patient were left out (first in {name})"
+            "{unplaced_count} images without a place in the patient were left out ({} is missing, first in {name})",
+            tags::field_name(missing)
         ));
     }
     if let Some(error) = unsupported {
@@ -407,7 +433,8 @@ impl Reader<'_> {
         read: &(impl Fn(&Source, &Frame, &mut [T]) -> Result<(), Error> + Sync),
     ) -> Result<(), Error> {
         let bytes = self.files.open(&image.name)?;
-        let layout = parts[0].0.layout;
+        let frame = parts[0].0;
+        let layout = frame.tile.map_or(frame.layout, |tile| tile.picture);
         let frames = image.frames()?;
         let inflated;
         let bytes: &dyn Bytes = if image.elements.syntax.is_deflated {
@@ -426,7 +453,31 @@ impl Reader<'_> {
             &*bytes
         };
         let source = Source::new(&image.elements, image.pixels, &layout, frames, bytes)?;
+        if frame.tile.is_some() {
+            let mut picture = zeroed::<T>(Some(layout.frame_samples()))?;
+            read(&source, frame, &mut picture)?;
+            for (frame, samples) in parts {
+                copy_tile(frame, &picture, samples);
+            }
+            return Ok(());
+        }
         in_parallel(parts, |(frame, samples)| read(&source, frame, samples))
+    }
+}
+
+/// The samples of a slice that is a part of a picture.
+fn copy_tile<T: Sample>(frame: &Frame, picture: &[T], into: &mut [T]) {
+    let Some(mosaic::Tile {
+        picture: layout,
+        corner: [left, top],
+    }) = frame.tile
+    else {
+        return;
+    };
+    let width = frame.layout.columns;
+    for (y, row) in into.chunks_exact_mut(width).enumerate() {
+        let start = (top + y) * layout.columns + left;
+        row.copy_from_slice(&picture[start..start + width]);
     }
 }
 

@@ -1,6 +1,7 @@
 //! The volume crate from outside: files in, volumes out, and back.
 
 mod crashes;
+mod dicom;
 mod hostile;
 mod mesh;
 mod metaimage;

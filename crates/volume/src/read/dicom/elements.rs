@@ -41,6 +41,9 @@ const SEQUENCE_END: Tag = Tag(0xFFFE, 0xE0DD);
 
 /// The sequences that are descended into.
 const SEQUENCES: &[Tag] = &[
+    tags::DIRECTORY_RECORD_SEQUENCE,
+    tags::DIMENSION_INDEX_SEQUENCE,
+    tags::DIFFUSION_GRADIENT_DIRECTION_SEQUENCE,
     tags::SHARED_FUNCTIONAL_GROUPS_SEQUENCE,
     tags::PER_FRAME_FUNCTIONAL_GROUPS_SEQUENCE,
     tags::PLANE_POSITION_SEQUENCE,
@@ -115,6 +118,30 @@ const VALUES: &[Tag] = &[
     tags::GRID_FRAME_OFFSET_VECTOR,
     tags::DOSE_GRID_SCALING,
     tags::EXTENDED_OFFSET_TABLE,
+    tags::REFERENCED_FILE_ID,
+    tags::CONTENT_TIME,
+    tags::COMPLEX_IMAGE_COMPONENT,
+    tags::INVERSION_TIME,
+    tags::ACQUISITION_MATRIX,
+    tags::FLIP_ANGLE,
+    tags::DIFFUSION_GRADIENT_ORIENTATION,
+    tags::NUMBER_OF_IMAGES_IN_MOSAIC,
+    tags::INSTANCE_NUMBER,
+    tags::DIMENSION_INDEX_VALUES,
+    tags::DIMENSION_INDEX_POINTER,
+    tags::FRAME_INCREMENT_POINTER,
+    tags::CSA_IMAGE_HEADER,
+    tags::CSA_IMAGE_HEADER_IN_BLOCK_11,
+    tags::CSA_IMAGE_HEADER_IN_BLOCK_12,
+    tags::ENERGY_WINDOW_VECTOR,
+    tags::DETECTOR_VECTOR,
+    tags::PHASE_VECTOR,
+    tags::RR_INTERVAL_VECTOR,
+    tags::TIME_SLOT_VECTOR,
+    tags::SLICE_VECTOR,
+    tags::ANGULAR_VIEW_VECTOR,
+    tags::TIME_SLICE_VECTOR,
+    tags::FRAME_REFERENCE_TIME,
 ];
 
 /// Whether a file begins like DICOM: `DICM` after the preamble, or an element of group 0002 or 0008
@@ -204,6 +231,9 @@ pub(super) struct Elements {
     pub(super) set_offset: u64,
     /// The pixels, if there are any.
     pub(super) pixels: Option<PixelData>,
+    /// Whether the elements are written otherwise than the transfer syntax says: with or without their value
+    /// representations. They were read as they are written.
+    pub(super) is_mislabelled: bool,
 }
 
 /// Reads all elements of use. What was read before an error stays in the second part, because even
@@ -214,6 +244,7 @@ pub(super) fn read(bytes: &dyn Bytes) -> (Elements, Result<(), Error>) {
         syntax: Syntax::implicit_little_endian(),
         set_offset: 0,
         pixels: None,
+        is_mislabelled: false,
     };
     let result = read_into(bytes, &mut elements);
     (elements, result)
@@ -237,19 +268,21 @@ fn read_into(bytes: &dyn Bytes, elements: &mut Elements) -> Result<(), Error> {
         Some(&mut meta_set),
         Stop::AfterMeta,
     )?;
+    let looks_explicit = looks_explicit(bytes, elements.set_offset);
     elements.syntax = match meta_set.bytes(tags::TRANSFER_SYNTAX_UID) {
         Some(uid) => Syntax::of(&plain_text(uid))?,
         // Files without meta elements: explicit ones show a VR behind the first tag.
-        None => {
-            let mut first = [0; 6];
-            if bytes.read_at(elements.set_offset, &mut first).is_ok() && is_vr([first[4], first[5]])
-            {
-                Syntax::explicit_little_endian()
-            } else {
-                Syntax::implicit_little_endian()
-            }
-        }
+        None if looks_explicit == Some(true) => Syntax::explicit_little_endian(),
+        None => Syntax::implicit_little_endian(),
     };
+    let said = elements.syntax;
+    if let Some(is_explicit) = looks_explicit
+        && !said.is_deflated
+        && !said.is_big_endian
+    {
+        elements.is_mislabelled = is_explicit != said.is_explicit;
+        elements.syntax.is_explicit = is_explicit;
+    }
     let syntax = elements.syntax;
     let keep = Some(&mut elements.set);
     if syntax.is_deflated {
@@ -278,6 +311,26 @@ fn read_into(bytes: &dyn Bytes, elements: &mut Elements) -> Result<(), Error> {
     }
     Ok(())
 }
+
+/// Whether the element at `at` names its value representation. `None` if it looks like neither.
+fn looks_explicit(bytes: &dyn Bytes, at: u64) -> Option<bool> {
+    let mut head = [0; 8];
+    bytes.read_at(at, &mut head).ok()?;
+    let [group, high, _, _, a, b, c, d] = head;
+    if VALUE_REPRESENTATIONS.contains(&&[a, b]) {
+        return Some(true);
+    }
+    // As a length: of a first element, which is short.
+    let length = u32::from_le_bytes([a, b, c, d]);
+    (matches!((group, high), (4 | 8 | 16, 0)) && length < 1024).then_some(false)
+}
+
+/// Those of PS3.5, table 6.2-1.
+const VALUE_REPRESENTATIONS: [&[u8; 2]; 34] = [
+    b"AE", b"AS", b"AT", b"CS", b"DA", b"DS", b"DT", b"FL", b"FD", b"IS", b"LO", b"LT", b"OB",
+    b"OD", b"OF", b"OL", b"OV", b"OW", b"PN", b"SH", b"SL", b"SQ", b"SS", b"ST", b"SV", b"TM",
+    b"UC", b"UI", b"UL", b"UN", b"UR", b"US", b"UT", b"UV",
+];
 
 /// The first bytes of a deflated data set, at most `limit`.
 ///
@@ -592,9 +645,22 @@ impl<'a> Walk<'a> {
                 | tags::BITS_STORED
                 | tags::HIGH_BIT
                 | tags::PIXEL_REPRESENTATION
-                | tags::PIXEL_PADDING_VALUE => 2,
-                tags::TEMPORAL_POSITION_INDEX => 4,
-                tags::EFFECTIVE_ECHO_TIME
+                | tags::PIXEL_PADDING_VALUE
+                | tags::ACQUISITION_MATRIX
+                | tags::NUMBER_OF_IMAGES_IN_MOSAIC
+                | tags::DIMENSION_INDEX_POINTER
+                | tags::FRAME_INCREMENT_POINTER
+                | tags::ENERGY_WINDOW_VECTOR
+                | tags::DETECTOR_VECTOR
+                | tags::PHASE_VECTOR
+                | tags::RR_INTERVAL_VECTOR
+                | tags::TIME_SLOT_VECTOR
+                | tags::SLICE_VECTOR
+                | tags::ANGULAR_VIEW_VECTOR
+                | tags::TIME_SLICE_VECTOR => 2,
+                tags::TEMPORAL_POSITION_INDEX | tags::DIMENSION_INDEX_VALUES => 4,
+                tags::DIFFUSION_GRADIENT_ORIENTATION
+                | tags::EFFECTIVE_ECHO_TIME
                 | tags::DIFFUSION_B_VALUE
                 | tags::EXTENDED_OFFSET_TABLE
                 | tags::NOMINAL_CARDIAC_TRIGGER_DELAY_TIME => 8,
@@ -699,6 +765,35 @@ impl DataSet {
     pub(super) fn u32(&self, tag: Tag) -> Option<u32> {
         let bytes = self.bytes(tag)?.first_chunk()?;
         Some(u32::from_le_bytes(*bytes))
+    }
+
+    /// All unsigned 16-bit numbers.
+    pub(super) fn u16s(&self, tag: Tag) -> Option<Vec<u16>> {
+        let (numbers, _) = self.bytes(tag)?.as_chunks();
+        Some(
+            numbers
+                .iter()
+                .map(|bytes| u16::from_le_bytes(*bytes))
+                .collect(),
+        )
+    }
+
+    /// All unsigned 32-bit numbers.
+    pub(super) fn u32s(&self, tag: Tag) -> Option<Vec<u32>> {
+        let (numbers, _) = self.bytes(tag)?.as_chunks();
+        Some(
+            numbers
+                .iter()
+                .map(|bytes| u32::from_le_bytes(*bytes))
+                .collect(),
+        )
+    }
+
+    /// All 64-bit floating-point numbers, if they are finite.
+    pub(super) fn f64s(&self, tag: Tag) -> Option<Vec<f64>> {
+        let (numbers, _) = self.bytes(tag)?.as_chunks();
+        let numbers = numbers.iter().map(|bytes| f64::from_le_bytes(*bytes));
+        numbers.map(|n| n.is_finite().then_some(n)).collect()
     }
 
     /// A 64-bit floating-point number.

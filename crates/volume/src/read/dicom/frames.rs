@@ -1,120 +1,15 @@
 //! Frames: every image of a series, whether it fills a file or is one of many in it, with its place.
 
-use super::elements::{DataSet, Elements, PixelData};
-use super::pixels::{Layout, missing};
+use super::elements::DataSet;
+use super::image::{Image, Lookup};
+use super::keys::{self, KeyValues};
+use super::mosaic::{Mosaic, Tile};
+use super::nuclear::Nuclear;
+use super::pixels::{Layout, missing, missing_spacing};
 use super::tags::{self, Tag, field_name};
 use crate::error::{Error, ErrorKind, Remedy};
 use crate::{Rescale, read::ReadOptions};
 use glam::DVec3;
-
-/// A DICOM file that holds pixels.
-#[derive(Clone, Debug)]
-pub(super) struct Image {
-    pub(super) name: String,
-    pub(super) file_bytes: u64,
-    pub(super) elements: Elements,
-    pub(super) pixels: PixelData,
-}
-
-impl Image {
-    /// The elements outside of functional groups.
-    pub(super) fn set(&self) -> &DataSet {
-        &self.elements.set
-    }
-
-    /// The series it belongs to.
-    pub(super) fn series(&self) -> String {
-        self.set()
-            .text(tags::SERIES_INSTANCE_UID)
-            .unwrap_or_default()
-    }
-
-    /// Number of frames.
-    ///
-    /// # Errors
-    /// A number that is not a whole one above 0, or not that of the frames described.
-    pub(super) fn frames(&self) -> Result<usize, Error> {
-        let count = match self.set().decimal(tags::NUMBER_OF_FRAMES)? {
-            None => 1,
-            Some(n) if n >= 1.0 && n.fract() == 0.0 && n <= f64::from(u32::MAX) => n as usize,
-            Some(n) => {
-                return Err(Error::field(
-                    field_name(tags::NUMBER_OF_FRAMES),
-                    n,
-                    "a whole number from 1",
-                ));
-            }
-        };
-        let described = self
-            .set()
-            .items(tags::PER_FRAME_FUNCTIONAL_GROUPS_SEQUENCE)
-            .len();
-        if described != 0 && described != count {
-            return Err(Error::field(
-                field_name(tags::NUMBER_OF_FRAMES),
-                count,
-                format!("{described}, as many as the per-frame functional groups"),
-            ));
-        }
-        Ok(count)
-    }
-}
-
-/// What may tell images at the same place apart, and in which order they then come.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Key {
-    pub(super) name: &'static str,
-    /// Whether all places must show the same values; times differ from slice to slice.
-    pub(super) is_shared: bool,
-}
-
-/// Tried in this order.
-pub(super) const KEYS: [Key; 7] = [
-    Key {
-        name: "temporal position",
-        is_shared: true,
-    },
-    Key {
-        name: "trigger time (ms)",
-        is_shared: false,
-    },
-    Key {
-        name: "acquisition time",
-        is_shared: false,
-    },
-    Key {
-        name: "acquisition number",
-        is_shared: true,
-    },
-    Key {
-        name: "echo time (ms)",
-        is_shared: true,
-    },
-    Key {
-        name: "diffusion b-value (s/mm²)",
-        is_shared: true,
-    },
-    Key {
-        name: "image type",
-        is_shared: true,
-    },
-];
-
-/// The value of a key.
-#[derive(Clone, Debug, PartialEq, PartialOrd)]
-pub(super) enum KeyValue {
-    Number(f64),
-    Text(String),
-}
-
-impl std::fmt::Display for KeyValue {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            KeyValue::Number(number) => number.fmt(f),
-            KeyValue::Text(text) => f.write_str(text),
-        }
-    }
-}
 
 /// One image of a series. Lengths in mm, in the patient's LPS system.
 #[derive(Clone, Debug)]
@@ -133,7 +28,9 @@ pub(super) struct Frame {
     /// Distance between columns, and between rows.
     pub(super) spacing: [f64; 2],
     pub(super) rescale: Rescale,
-    pub(super) keys: [Option<KeyValue>; KEYS.len()],
+    /// For a slice that is a part of its picture, which part.
+    pub(super) tile: Option<Tile>,
+    pub(super) keys: KeyValues,
 }
 
 impl Frame {
@@ -143,86 +40,7 @@ impl Frame {
     }
 }
 
-/// Where values of a frame are looked up: its own functional groups, the shared ones, the data set.
-struct Lookup<'a> {
-    set: &'a DataSet,
-    shared: &'a [DataSet],
-    frame: Option<&'a DataSet>,
-}
-
-impl<'a> Lookup<'a> {
-    fn of(set: &'a DataSet, frame: usize) -> Lookup<'a> {
-        Lookup {
-            set,
-            shared: set.items(tags::SHARED_FUNCTIONAL_GROUPS_SEQUENCE),
-            frame: set
-                .items(tags::PER_FRAME_FUNCTIONAL_GROUPS_SEQUENCE)
-                .get(frame),
-        }
-    }
-
-    /// The innermost set that has the element.
-    fn find(&self, sequence: Tag, tag: Tag) -> &'a DataSet {
-        self.frame
-            .into_iter()
-            .chain(self.shared)
-            .flat_map(|groups| groups.items(sequence))
-            .find(|item| item.bytes(tag).is_some())
-            .unwrap_or(self.set)
-    }
-
-    fn keys(&self) -> Result<[Option<KeyValue>; KEYS.len()], Error> {
-        let number = |n: Option<f64>| n.map(KeyValue::Number);
-        let content = tags::FRAME_CONTENT_SEQUENCE;
-        let temporal = match self.set.decimal(tags::TEMPORAL_POSITION_IDENTIFIER)? {
-            Some(n) => Some(n),
-            None => self
-                .find(content, tags::TEMPORAL_POSITION_INDEX)
-                .u32(tags::TEMPORAL_POSITION_INDEX)
-                .map(f64::from),
-        };
-        let delay = tags::NOMINAL_CARDIAC_TRIGGER_DELAY_TIME;
-        let trigger = match self.set.decimal(tags::TRIGGER_TIME)? {
-            Some(n) => Some(n),
-            None => self
-                .find(tags::CARDIAC_SYNCHRONIZATION_SEQUENCE, delay)
-                .f64(delay),
-        };
-        let acquired = self
-            .find(content, tags::FRAME_ACQUISITION_DATE_TIME)
-            .text(tags::FRAME_ACQUISITION_DATE_TIME)
-            .or_else(|| self.set.text(tags::ACQUISITION_DATE_TIME))
-            .or_else(|| self.set.text(tags::ACQUISITION_TIME));
-        let echo = match self.set.decimal(tags::ECHO_TIME)? {
-            Some(n) => Some(n),
-            None => self
-                .find(tags::MR_ECHO_SEQUENCE, tags::EFFECTIVE_ECHO_TIME)
-                .f64(tags::EFFECTIVE_ECHO_TIME),
-        };
-        let b_value = self
-            .find(tags::MR_DIFFUSION_SEQUENCE, tags::DIFFUSION_B_VALUE)
-            .f64(tags::DIFFUSION_B_VALUE);
-        let image_type = [
-            tags::MR_IMAGE_FRAME_TYPE_SEQUENCE,
-            tags::CT_IMAGE_FRAME_TYPE_SEQUENCE,
-        ]
-        .into_iter()
-        .find_map(|sequence| self.find(sequence, tags::FRAME_TYPE).text(tags::FRAME_TYPE))
-        .or_else(|| self.set.text(tags::IMAGE_TYPE));
-        Ok([
-            number(temporal),
-            number(trigger),
-            // Dates and times sort as text: the largest units come first.
-            acquired.map(KeyValue::Text),
-            number(self.set.decimal(tags::ACQUISITION_NUMBER)?),
-            number(echo),
-            number(b_value.filter(|b| b.is_finite())),
-            image_type.map(KeyValue::Text),
-        ])
-    }
-}
-
-/// The frames of a file, or `None` if nothing says where they lie. `notes` hears what had to be
+/// The frames of a file, or the element that would say where they lie and is missing. `notes` hears what had to be
 /// assumed.
 ///
 /// # Errors
@@ -232,7 +50,7 @@ pub(super) fn of_image(
     image: &Image,
     options: &ReadOptions,
     notes: &mut Vec<String>,
-) -> Result<Option<Vec<Frame>>, Error> {
+) -> Result<Result<Vec<Frame>, Tag>, Error> {
     let set = image.set();
     let layout = Layout::of(set, &image.pixels)?;
     if set.has(tags::MODALITY_LUT_SEQUENCE) && !set.items(tags::MODALITY_LUT_SEQUENCE).is_empty() {
@@ -250,41 +68,29 @@ pub(super) fn of_image(
         count,
         image.file_bytes,
     )?;
+    let nuclear = Nuclear::of(set, count)?;
+    let is_described = !set
+        .items(tags::PER_FRAME_FUNCTIONAL_GROUPS_SEQUENCE)
+        .is_empty();
     let stack = match count {
         1 => None,
-        _ if !set
-            .items(tags::PER_FRAME_FUNCTIONAL_GROUPS_SEQUENCE)
-            .is_empty() =>
-        {
-            None
-        }
-        _ => Some(Stacked::of(set, count, options)?),
+        _ if is_described => None,
+        _ => Some(Stacked::of(set, count, nuclear.as_ref(), options)?),
+    };
+    let mosaic = match count {
+        1 => Mosaic::of(set, notes)?,
+        _ => None,
     };
     let mut frames = Vec::new();
     for index in 0..count {
         let lookup = Lookup::of(set, index);
-        let (position, orientation) = match &stack {
-            Some(stack) => (
-                Some(stack.position(index).to_array()),
-                Some(stack.orientation),
-            ),
-            None => {
-                let (position, orientation) = (
-                    tags::IMAGE_POSITION_PATIENT,
-                    tags::IMAGE_ORIENTATION_PATIENT,
-                );
-                (
-                    lookup
-                        .find(tags::PLANE_POSITION_SEQUENCE, position)
-                        .decimal_array(position)?,
-                    lookup
-                        .find(tags::PLANE_ORIENTATION_SEQUENCE, orientation)
-                        .decimal_array(orientation)?,
-                )
-            }
+        let placed = match &stack {
+            Some(stack) => Ok((stack.position(index).to_array(), stack.orientation)),
+            None => lookup.place()?,
         };
-        let (Some(position), Some(orientation)) = (position, orientation) else {
-            return Ok(None);
+        let (position, orientation) = match placed {
+            Ok(place) => place,
+            Err(missing) => return Ok(Err(missing)),
         };
         let [row, column] = directions(orientation)?;
         let transformation = lookup.find(
@@ -298,6 +104,7 @@ pub(super) fn of_image(
         let intercept = transformation
             .decimal(tags::RESCALE_INTERCEPT)?
             .unwrap_or(0.0);
+        let groups = nuclear.as_ref().map(|nuclear| nuclear.groups[index]);
         frames.push(Frame {
             image: number,
             frame: index,
@@ -307,13 +114,43 @@ pub(super) fn of_image(
             column,
             spacing: spacing(&lookup, options)?,
             rescale: Rescale::new(slope, intercept),
-            keys: lookup.keys()?,
+            tile: None,
+            keys: keys::of_frame(image, &lookup, index, groups.unwrap_or_default())?,
         });
     }
-    if let Some(stack) = stack {
-        notes.extend(stack.note.clone());
+    if let Some(mosaic) = mosaic {
+        frames = tiles(&frames[0], &mosaic, set, options)?;
     }
-    Ok(Some(frames))
+    if let Some(stack) = stack {
+        notes.extend(stack.notes);
+    }
+    Ok(Ok(frames))
+}
+
+/// The slices that the tiles of a picture are.
+fn tiles(
+    picture: &Frame,
+    mosaic: &Mosaic,
+    set: &DataSet,
+    options: &ReadOptions,
+) -> Result<Vec<Frame>, Error> {
+    let layout = mosaic.slice_layout(&picture.layout)?;
+    let directions = [picture.row, picture.column];
+    let (first, step) = mosaic.place(
+        set,
+        &picture.layout,
+        picture.position,
+        directions,
+        picture.spacing,
+        options,
+    )?;
+    let slice = |k: usize| Frame {
+        layout,
+        position: first + k as f64 * step,
+        tile: Some(mosaic.tile(k, &picture.layout)),
+        ..picture.clone()
+    };
+    Ok((0..mosaic.slices).map(slice).collect())
 }
 
 /// Distance between columns, and between rows, in mm.
@@ -362,11 +199,16 @@ struct Stacked {
     orientation: [f64; 6],
     /// Distance of each frame from the origin.
     offsets_mm: Vec<f64>,
-    note: Option<String>,
+    notes: Vec<String>,
 }
 
 impl Stacked {
-    fn of(set: &DataSet, count: usize, options: &ReadOptions) -> Result<Stacked, Error> {
+    fn of(
+        set: &DataSet,
+        count: usize,
+        nuclear: Option<&Nuclear>,
+        options: &ReadOptions,
+    ) -> Result<Stacked, Error> {
         // Nuclear medicine keeps the place with the detector.
         let find = |tag: Tag| {
             set.items(tags::DETECTOR_INFORMATION_SEQUENCE)
@@ -380,7 +222,8 @@ impl Stacked {
         );
         let position = find(position).decimal_array::<3>(position)?;
         let orientation = find(orientation).decimal_array::<6>(orientation)?;
-        let mut note = None;
+        let is_placed = position.is_some() && orientation.is_some();
+        let mut notes = Vec::new();
         let offsets_mm = match set.decimals(tags::GRID_FRAME_OFFSET_VECTOR)? {
             Some(offsets) if offsets.len() == count => {
                 offsets.iter().map(|offset| offset - offsets[0]).collect()
@@ -393,28 +236,13 @@ impl Stacked {
                 ));
             }
             None => {
-                let step = match (
-                    set.decimal(tags::SPACING_BETWEEN_SLICES)?,
-                    options.spacing_mm,
-                ) {
-                    (Some(step), _) if step != 0.0 => step,
-                    (_, Some([_, _, step])) => step,
-                    _ => {
-                        return Err(Error::from(ErrorKind::Unsupported {
-                            feature: format!(
-                                "a file of {count} frames that says neither where each lies (functional groups) nor {}",
-                                field_name(tags::SPACING_BETWEEN_SLICES)
-                            ),
-                            instead: "its frames may be moments of a film; if they are slices, their spacing has to be said".into(),
-                        })
-                        .with_remedy(Remedy::Spacing));
-                    }
-                };
-                (0..count).map(|frame| frame as f64 * step).collect()
+                let step = frame_distance(set, count, is_placed, options, &mut notes)?;
+                let slice = |frame: usize| nuclear.map_or(frame, |nuclear| nuclear.slices[frame]);
+                (0..count).map(|frame| slice(frame) as f64 * step).collect()
             }
         };
-        if position.is_none() || orientation.is_none() {
-            note = Some(
+        if !is_placed {
+            notes.push(
                 "the file does not say how the patient lay; its slices count as axial, from the feet up"
                     .to_owned(),
             );
@@ -423,7 +251,7 @@ impl Stacked {
             origin: DVec3::from_array(position.unwrap_or_default()),
             orientation: orientation.unwrap_or([1.0, 0.0, 0.0, 0.0, 1.0, 0.0]),
             offsets_mm,
-            note,
+            notes,
         })
     }
 
@@ -431,5 +259,39 @@ impl Stacked {
         let [a, b, c, d, e, f] = self.orientation;
         let normal = DVec3::new(a, b, c).cross(DVec3::new(d, e, f));
         self.origin + self.offsets_mm[frame] * normal
+    }
+}
+
+/// How far apart the slices of a file are that does not place each of its frames.
+fn frame_distance(
+    set: &DataSet,
+    count: usize,
+    is_placed: bool,
+    options: &ReadOptions,
+    notes: &mut Vec<String>,
+) -> Result<f64, Error> {
+    if let Some(step) = set.decimal(tags::SPACING_BETWEEN_SLICES)?
+        && step != 0.0
+    {
+        return Ok(step);
+    }
+    if let Some([_, _, step]) = options.spacing_mm {
+        return Ok(step);
+    }
+    // Frames of a tomograph that lie somewhere are slices, unless the file says that they follow in time.
+    let pointer = set.u16s(tags::FRAME_INCREMENT_POINTER).unwrap_or_default();
+    let is_film = [tags::FRAME_TIME, tags::FRAME_TIME_VECTOR]
+        .iter()
+        .any(|time| pointer.starts_with(&[time.0, time.1]));
+    let modality = set.text(tags::MODALITY).unwrap_or_default();
+    let is_tomograph = matches!(modality.as_str(), "CT" | "MR" | "PT" | "NM");
+    match set.decimal(tags::SLICE_THICKNESS)? {
+        Some(thickness) if thickness > 0.0 && is_tomograph && is_placed && !is_film => {
+            notes.push(format!(
+                "the file of {count} frames does not say how far apart they are; the slice thickness, {thickness} mm, is taken"
+            ));
+            Ok(thickness)
+        }
+        _ => Err(missing_spacing(count)),
     }
 }

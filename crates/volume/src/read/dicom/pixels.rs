@@ -3,8 +3,8 @@
 use super::elements::{DataSet, Elements, PixelData};
 use super::syntax::{CONVERT, Packing};
 use super::tags::{self, Tag, field_name};
-use super::{jpeg_ls, rle};
-use crate::error::{Error, ErrorKind};
+use super::{jpeg_lossless, jpeg_ls, rle};
+use crate::error::{Error, ErrorKind, Remedy};
 use crate::read::Bytes;
 use crate::{Sample, SampleType};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -124,6 +124,15 @@ impl Layout {
         })
     }
 
+    /// The same for frames of another size.
+    pub(super) fn with_size(&self, columns: usize, rows: usize) -> Layout {
+        Layout {
+            columns,
+            rows,
+            ..*self
+        }
+    }
+
     /// Samples of a frame.
     pub(super) fn frame_samples(&self) -> usize {
         self.rows * self.columns
@@ -154,6 +163,18 @@ pub(super) fn missing(tag: Tag, allowed: &str) -> Error {
         allowed: allowed.to_owned(),
     }
     .into()
+}
+
+/// What to say of `slices` frames whose distance nothing says.
+pub(super) fn missing_spacing(slices: usize) -> Error {
+    Error::from(ErrorKind::Unsupported {
+        feature: format!(
+            "a file of {slices} frames that says neither where each lies (functional groups) nor {}",
+            field_name(tags::SPACING_BETWEEN_SLICES)
+        ),
+        instead: "its frames may be moments of a film; if they are slices, their spacing has to be said".into(),
+    })
+    .with_remedy(Remedy::Spacing)
 }
 
 /// An element type of DICOM pixels.
@@ -388,6 +409,14 @@ impl<'a> Source<'a> {
                 instead: CONVERT.into(),
             }
             .into());
+        }
+        if frame.is_lossless {
+            let mut decoded = vec![0; samples.len()];
+            let (columns, rows) = (self.layout.columns, self.layout.rows);
+            jpeg_lossless::decode(packed, columns, rows, 1, &mut decoded)
+                .map_err(|why| compression("lossless JPEG", why))?;
+            self.take(decoded.iter().map(|v| i64::from(*v)), samples);
+            return Ok(());
         }
         let mut decoder = jpeg_decoder::Decoder::new(packed);
         decoder.set_max_decoding_buffer_size(2 * samples.len());

@@ -1,7 +1,7 @@
 //! Series: which DICOM files of a folder belong together, and which of them is meant.
 
 use super::elements::{self, plain_text};
-use super::frames::Image;
+use super::image::Image;
 use super::in_parallel::in_parallel;
 use super::tags;
 use crate::error::{Error, ErrorKind, Remedy};
@@ -142,7 +142,7 @@ fn summary(uid: String, images: &[Image]) -> SeriesSummary {
             .or_else(|| set.description(tags::PROTOCOL_NAME))
             .unwrap_or_default(),
         modality: set.description(tags::MODALITY).unwrap_or_default(),
-        slices: images.iter().map(|image| image.frames().unwrap_or(1)).sum(),
+        slices: images.iter().map(Image::slices).sum(),
         size: [edge(tags::COLUMNS), edge(tags::ROWS)],
         files: images.len(),
     }

@@ -1,6 +1,7 @@
 //! Frames into one even grid: sorted by place, split into moments, checked for gaps.
 
-use super::frames::{Frame, KEYS, KeyValue};
+use super::frames::Frame;
+use super::keys::{INSTANCE_NUMBER, KEYS, Key, KeyValue};
 use crate::error::{Error, ErrorKind, Remedy};
 use crate::read::ReadOptions;
 use glam::{DAffine3, DMat3, DVec3};
@@ -200,58 +201,159 @@ fn moments(
         ))
         .into());
     }
-    for (k, key) in KEYS.iter().enumerate() {
-        if let Some((ordered, values)) = split_by(frames, places, k, key.is_shared) {
-            let list: Vec<String> = values.iter().take(12).map(KeyValue::to_string).collect();
-            return Ok(Moments {
-                frames: ordered,
-                columns: most,
-                note: Some(format!(
-                    "the series holds {most} volumes that differ in {} ({}{})",
-                    key.name,
-                    list.join(", "),
-                    if most > 12 { ", …" } else { "" }
-                )),
-            });
-        }
+    if let Some(split) = tell_apart(frames, places) {
+        let list: Vec<String> = split.shown.iter().take(12).cloned().collect();
+        return Ok(Moments {
+            frames: split.frames,
+            columns: most,
+            note: Some(format!(
+                "the series holds {most} volumes that differ in {} ({}{})",
+                split.name,
+                list.join(", "),
+                if most > 12 { ", …" } else { "" }
+            )),
+        });
     }
     let keys: Vec<&str> = KEYS.iter().map(|key| key.name).collect();
     Err(ErrorKind::Slices(format!(
-        "every place repeats {most} times, and none of {} tells the images apart; {}. Leave the repeated files out",
+        "every place repeats {most} times, and none of {}, alone or together, tells the images apart; {}. Leave the repeated files out",
         keys.join(", "),
         describe(places[0])
     ))
     .into())
 }
 
-/// The frames place by place, those of a place in the order of a key, and the values of the first
-/// place; `None` if the key does not tell them apart.
-fn split_by(
-    frames: &[Frame],
-    places: &[&[usize]],
-    key: usize,
-    is_shared: bool,
-) -> Option<(Vec<usize>, Vec<KeyValue>)> {
+/// Images at the same places, told apart.
+struct Split {
+    /// Place by place, those of a place in the order of the keys.
+    frames: Vec<usize>,
+    /// What tells them apart.
+    name: String,
+    /// Its values at the first place.
+    shown: Vec<String>,
+}
+
+/// How many attributes are tried together.
+const MOST_KEYS: usize = 4;
+
+/// Finds the attribute, else the fewest attributes together, that tell the images of every place apart.
+fn tell_apart(frames: &[Frame], places: &[&[usize]]) -> Option<Split> {
+    let differs = |key: &usize| {
+        let first = &frames[places[0][0]].keys[*key];
+        places[0].iter().any(|f| frames[*f].keys[*key] != *first)
+    };
+    let (last_resorts, mut usual): (Vec<usize>, Vec<usize>) = (0..KEYS.len())
+        .filter(differs)
+        .partition(|key| KEYS[*key].is_last_resort);
+    let alone = |keys: &[usize]| {
+        keys.iter()
+            .find_map(|key| split_by(frames, places, &[*key]))
+    };
+    if let Some(split) = alone(&usual) {
+        return Some(split);
+    }
+    // Attributes that every place shows alike come first: of the others only the order counts.
+    usual.sort_by_key(|key| !KEYS[*key].is_shared);
+    (2..=MOST_KEYS)
+        .flat_map(|count| subsets(&usual, count))
+        .find_map(|keys| split_by(frames, places, &keys))
+        .or_else(|| alone(&last_resorts))
+}
+
+/// All choices of `count` of the keys, in their order.
+fn subsets(keys: &[usize], count: usize) -> Vec<Vec<usize>> {
+    let (Some((first, rest)), 1..) = (keys.split_first(), count) else {
+        return match count {
+            0 => vec![Vec::new()],
+            _ => Vec::new(),
+        };
+    };
+    let mut with = subsets(rest, count - 1);
+    with.iter_mut().for_each(|keys| keys.insert(0, *first));
+    with.extend(subsets(rest, count));
+    with
+}
+
+/// The images of every place in the order of the keys; `None` if these do not tell them apart.
+fn split_by(frames: &[Frame], places: &[&[usize]], keys: &[usize]) -> Option<Split> {
+    let keys_of = |frame: &usize| -> Vec<&Option<KeyValue>> {
+        keys.iter().map(|key| &frames[*frame].keys[*key]).collect()
+    };
+    let is_shared = |key: &usize| KEYS[*key].is_shared;
+    let shared = keys.iter().filter(|key| is_shared(key)).count();
     let mut ordered = Vec::with_capacity(frames.len());
-    let mut shown: Option<Vec<KeyValue>> = None;
+    let mut columns: Option<Vec<Vec<&Option<KeyValue>>>> = None;
     for place in places {
-        let mut keyed = place
+        let mut keyed: Vec<_> = place.iter().map(|f| (keys_of(f), *f)).collect();
+        // A value of one's own for each place has to be there; others may be missing, as b = 0 has no direction.
+        if keyed
             .iter()
-            .map(|f| Some((frames[*f].keys[key].clone()?, *f)))
-            .collect::<Option<Vec<(KeyValue, usize)>>>()?;
+            .any(|(values, _)| values[shared..].contains(&&None))
+        {
+            return None;
+        }
         keyed.sort_by(|a, b| a.0.partial_cmp(&b.0).unwrap_or(std::cmp::Ordering::Equal));
         if keyed.windows(2).any(|pair| pair[0].0 == pair[1].0) {
             return None;
         }
-        let values: Vec<KeyValue> = keyed.iter().map(|(value, _)| value.clone()).collect();
-        match &shown {
-            Some(first) if is_shared && *first != values => return None,
-            Some(_) => {}
-            None => shown = Some(values),
+        let first = columns.get_or_insert_with(|| keyed.iter().map(|(v, _)| v.clone()).collect());
+        let is_alike =
+            |(first, (here, _)): (&Vec<_>, &(Vec<_>, usize))| first[..shared] == here[..shared];
+        if !first.iter().zip(&keyed).all(is_alike) {
+            return None;
         }
         ordered.extend(keyed.iter().map(|(_, frame)| *frame));
     }
-    Some((ordered, shown?))
+    let columns = columns?;
+    let mut order: Vec<usize> = (0..columns.len()).collect();
+    if keys.iter().any(|key| !KEYS[*key].is_ordered)
+        && let Some(acquired) = order_of_acquisition(frames, &ordered, columns.len())
+    {
+        ordered = ordered
+            .chunks_exact(columns.len())
+            .flat_map(|place| acquired.iter().map(|column| place[*column]))
+            .collect();
+        order = acquired;
+    }
+    let name = |key: &usize| -> &str {
+        let Key { name, .. } = KEYS[*key];
+        name
+    };
+    let shown = |values: &Vec<&Option<KeyValue>>| {
+        let texts: Vec<String> = values
+            .iter()
+            .map(|value| value.as_ref().map_or("none".into(), KeyValue::to_string))
+            .collect();
+        texts.join(" · ")
+    };
+    Some(Split {
+        frames: ordered,
+        name: keys.iter().map(name).collect::<Vec<_>>().join(" and "),
+        shown: order
+            .iter()
+            .map(|column| shown(&columns[*column]))
+            .collect(),
+    })
+}
+
+/// The columns in the order of their instance numbers, if that is the same at all places.
+fn order_of_acquisition(frames: &[Frame], ordered: &[usize], columns: usize) -> Option<Vec<usize>> {
+    let mut found: Option<Vec<usize>> = None;
+    for place in ordered.chunks_exact(columns) {
+        let instance = |column: &usize| frames[place[*column]].keys[INSTANCE_NUMBER].as_ref();
+        let mut order: Vec<usize> = (0..columns).collect();
+        order.sort_by(|a, b| {
+            let order = instance(a).partial_cmp(&instance(b));
+            order.unwrap_or(std::cmp::Ordering::Equal)
+        });
+        let is_strict = order
+            .windows(2)
+            .all(|pair| instance(&pair[0]) < instance(&pair[1]));
+        if !is_strict || found.get_or_insert_with(|| order.clone()) != &order {
+            return None;
+        }
+    }
+    found
 }
 
 /// What is uneven about rising positions, if anything: each gap with its places.

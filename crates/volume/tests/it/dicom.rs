@@ -1,0 +1,615 @@
+//! DICOM files of all shapes, built element by element.
+
+use crate::{assert_affine, message, read, read_with};
+use glam::{DAffine3, DMat3, DVec3};
+use strahl_volume::read::{Loaded, MemoryFiles, ReadOptions, read_folder};
+use strahl_volume::{Error, Samples};
+
+/// Elements in explicit little endian, kept in rising order of their tags.
+#[derive(Clone, Default)]
+struct Set(Vec<(u16, u16, [u8; 2], Vec<u8>)>);
+
+impl Set {
+    fn put(&mut self, tag: (u16, u16), vr: &[u8; 2], value: &[u8]) -> &mut Set {
+        self.0
+            .retain(|(group, element, ..)| (*group, *element) != tag);
+        let mut value = value.to_vec();
+        if value.len() % 2 == 1 {
+            value.push(if vr == b"UI" || vr == b"OB" { 0 } else { b' ' });
+        }
+        self.0.push((tag.0, tag.1, *vr, value));
+        self.0.sort();
+        self
+    }
+
+    fn text(&mut self, tag: (u16, u16), vr: &[u8; 2], value: &str) -> &mut Set {
+        self.put(tag, vr, value.as_bytes())
+    }
+
+    fn shorts(&mut self, tag: (u16, u16), vr: &[u8; 2], values: &[u16]) -> &mut Set {
+        let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
+        self.put(tag, vr, &bytes)
+    }
+
+    fn doubles(&mut self, tag: (u16, u16), values: &[f64]) -> &mut Set {
+        let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
+        self.put(tag, b"FD", &bytes)
+    }
+
+    fn sequence(&mut self, tag: (u16, u16), items: &[Set]) -> &mut Set {
+        let mut bytes = Vec::new();
+        for item in items {
+            let item = item.explicit();
+            bytes.extend([0xFE, 0xFF, 0x00, 0xE0]);
+            bytes.extend((item.len() as u32).to_le_bytes());
+            bytes.extend(item);
+        }
+        self.put(tag, b"SQ", &bytes)
+    }
+
+    fn explicit(&self) -> Vec<u8> {
+        let mut out = Vec::new();
+        for (group, element, vr, value) in &self.0 {
+            out.extend(group.to_le_bytes());
+            out.extend(element.to_le_bytes());
+            out.extend(vr);
+            if matches!(vr, b"OB" | b"OW" | b"SQ" | b"UN") {
+                out.extend([0, 0]);
+                out.extend((value.len() as u32).to_le_bytes());
+            } else {
+                out.extend((value.len() as u16).to_le_bytes());
+            }
+            out.extend(value);
+        }
+        out
+    }
+
+    fn implicit(&self) -> Vec<u8> {
+        let mut out = Vec::new();
+        for (group, element, _, value) in &self.0 {
+            out.extend(group.to_le_bytes());
+            out.extend(element.to_le_bytes());
+            out.extend((value.len() as u32).to_le_bytes());
+            out.extend(value);
+        }
+        out
+    }
+
+    fn file(&self) -> Vec<u8> {
+        file_of("1.2.840.10008.1.2.1", &self.explicit())
+    }
+}
+
+fn file_of(syntax: &str, set: &[u8]) -> Vec<u8> {
+    let mut meta = Set::default();
+    meta.text((2, 0x10), b"UI", syntax);
+    [&[0; 128], &b"DICM"[..], &meta.explicit(), set].concat()
+}
+
+const ROWS: (u16, u16) = (0x28, 0x10);
+const COLUMNS: (u16, u16) = (0x28, 0x11);
+const POSITION: (u16, u16) = (0x20, 0x32);
+const ORIENTATION: (u16, u16) = (0x20, 0x37);
+const SPACING: (u16, u16) = (0x28, 0x30);
+const IMAGE_TYPE: (u16, u16) = (8, 8);
+const INSTANCE: (u16, u16) = (0x20, 0x13);
+const FRAMES: (u16, u16) = (0x28, 8);
+const PIXELS: (u16, u16) = (0x7FE0, 0x10);
+const BETWEEN_SLICES: (u16, u16) = (0x18, 0x88);
+const PER_FRAME: (u16, u16) = (0x5200, 0x9230);
+
+/// An image of 16-bit samples at the origin, 1 mm apart, without further elements.
+fn image(columns: u16, rows: u16, samples: &[u16]) -> Set {
+    static NEXT: std::sync::atomic::AtomicU32 = std::sync::atomic::AtomicU32::new(1);
+    let number = NEXT.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+    let mut set = Set::default();
+    set.text((8, 0x18), b"UI", &format!("1.2.3.{number}"))
+        .text((8, 0x60), b"CS", "MR")
+        .text((0x20, 0x0E), b"UI", "1.2.3")
+        .text(POSITION, b"DS", "0\\0\\0")
+        .text(ORIENTATION, b"DS", "1\\0\\0\\0\\1\\0")
+        .shorts((0x28, 2), b"US", &[1])
+        .text((0x28, 4), b"CS", "MONOCHROME2")
+        .shorts(ROWS, b"US", &[rows])
+        .shorts(COLUMNS, b"US", &[columns])
+        .text(SPACING, b"DS", "1\\1")
+        .shorts((0x28, 0x100), b"US", &[16])
+        .shorts((0x28, 0x101), b"US", &[16])
+        .shorts((0x28, 0x102), b"US", &[15])
+        .shorts((0x28, 0x103), b"US", &[0])
+        .shorts(PIXELS, b"OW", samples);
+    set
+}
+
+fn folder(sets: &[Set], time_index: usize) -> Result<Loaded, Error> {
+    let files: MemoryFiles = sets
+        .iter()
+        .enumerate()
+        .map(|(i, set)| (format!("{i:03}.dcm"), set.file()))
+        .collect();
+    let options = ReadOptions {
+        time_index,
+        ..ReadOptions::default()
+    };
+    read_folder("series", &files, &options)
+}
+
+fn one(set: &Set) -> Result<Loaded, Error> {
+    read(&[("a.dcm", &set.file())])
+}
+
+fn samples(loaded: &Loaded) -> Vec<u16> {
+    match loaded.volume.samples() {
+        Samples::U16(samples) => samples.clone(),
+        other => panic!("{}", other.sample_type()),
+    }
+}
+
+fn affine(columns: [[f64; 3]; 3], translation: [f64; 3]) -> DAffine3 {
+    let matrix = DMat3::from_cols_array_2d(&columns);
+    DAffine3::from_mat3_translation(matrix, DVec3::from(translation))
+}
+
+/// The shared cases' picture, made by an encoder that libjpeg agrees with: predictor 1, 12 bits, point transform 2.
+const POINT_TRANSFORM: &str = "ffd8ffc400240000000000110000000000000000000000000102030405060708090a0b0c\
+    0d0e0f10ffc3000b0c0008000c01011100ffda000801010001000253fe694d29a534a694d2a090d29a534a694f94d29a534a69504\
+    8694d29a534a694d29f29a54121a534a694d29a534a82434a6950c8694d29a534a695048694d29a534a694f94d29a54121a534a694\
+    d29a534a82434a7ca82434a694d29a534a695048694d29a54321a534a694d2a090d29a534a694d29a53e534a82434a694d29a534a6\
+    95048694d2fffd9";
+
+/// The same without point transform, with a restart marker after each row of 12.
+const RESTARTS: &str = "ffd8ffc400240000000000110000000000000000000000000102030405060708090a0b0c0d0e0f10\
+    ffc3000b0c0008000c01011100ffdd0004000cffda000801010001000063ff00a25112889444a2251128a24d12889444a2253fffd05\
+    99344a2251128894512689444a225112889444a7fffd15b2744a289344a225112889444a2251449a251129fffd258bb44a22511288\
+    9444a289344a225112889444a7fffd35a4f44a2251449a25112889444a2251128a24d129fffd45be3512689444a225112889444a28\
+    9344a2251129fffd5597744a2251128894512689444a225112889444a7fffd65b0b44a289344a225112889444a2251449a251129ff\
+    fd9";
+
+#[test]
+fn lossless_jpeg_has_the_values_that_libjpeg_finds() {
+    let expected: Vec<u16> = (0..96)
+        .map(|i| 4 * ((37 * (i % 12) + 101 * (i / 12)) % 256))
+        .collect();
+    for hex in [POINT_TRANSFORM, RESTARTS] {
+        let jpeg: Vec<u8> = (0..hex.len() / 2)
+            .map(|i| u8::from_str_radix(&hex[2 * i..2 * i + 2], 16).unwrap())
+            .collect();
+        let mut set = image(12, 8, &[]);
+        set.shorts((0x28, 0x101), b"US", &[12])
+            .shorts((0x28, 0x102), b"US", &[11]);
+        set.0.retain(|element| element.0 != 0x7FE0);
+        let mut elements = set.explicit();
+        elements.extend([0xE0, 0x7F, 0x10, 0, b'O', b'B', 0, 0, 255, 255, 255, 255]);
+        elements.extend([0xFE, 0xFF, 0, 0xE0, 0, 0, 0, 0]);
+        elements.extend([0xFE, 0xFF, 0, 0xE0]);
+        elements.extend((jpeg.len() as u32).to_le_bytes());
+        elements.extend(jpeg);
+        elements.extend([0xFE, 0xFF, 0xDD, 0xE0, 0, 0, 0, 0]);
+        let file = file_of("1.2.840.10008.1.2.4.70", &elements);
+        let loaded = read(&[("a.dcm", &file)]).unwrap();
+        assert_eq!(samples(&loaded), expected);
+    }
+}
+
+/// A CSA header with text values, in version 1 or 2.
+fn csa(version: u8, tags: &[(&str, &[&str])]) -> Vec<u8> {
+    let mut out = Vec::new();
+    let number = |out: &mut Vec<u8>, n: usize| out.extend((n as u32).to_le_bytes());
+    if version == 2 {
+        out.extend(b"SV10\x04\x03\x02\x01");
+    }
+    number(&mut out, tags.len());
+    number(&mut out, 77);
+    // As scanners do: six items whatever the number of values.
+    let items = 6;
+    for (name, values) in tags {
+        let mut padded = name.as_bytes().to_vec();
+        padded.resize(64, 0);
+        out.extend(padded);
+        number(&mut out, values.len());
+        out.extend(b"FD\0\0");
+        number(&mut out, 4);
+        number(&mut out, items);
+        number(&mut out, 77);
+        for item in 0..items {
+            let mut text = values
+                .get(item)
+                .map_or(Vec::new(), |v| v.as_bytes().to_vec());
+            if !text.is_empty() {
+                text.push(0);
+            }
+            let length = text.len();
+            match version {
+                2 => [0, length, 77, length]
+                    .iter()
+                    .for_each(|n| number(&mut out, *n)),
+                _ => [length + items, 0, 77, 0]
+                    .iter()
+                    .for_each(|n| number(&mut out, *n)),
+            }
+            text.resize(length.next_multiple_of(4), 0);
+            out.extend(text);
+        }
+    }
+    out
+}
+
+/// Five slices of 2×2 in 3×3 tiles; sample (x, y) of slice k is 100·k + 10·y + x.
+fn mosaic() -> Set {
+    let at = |i: u16| {
+        let (x, y) = (i % 6, i / 6);
+        let k = y / 2 * 3 + x / 2;
+        if k < 5 {
+            100 * k + 10 * (y % 2) + x % 2
+        } else {
+            0
+        }
+    };
+    let mut set = image(6, 6, &(0..36).map(at).collect::<Vec<u16>>());
+    set.text(IMAGE_TYPE, b"CS", "ORIGINAL\\PRIMARY\\M\\ND\\MOSAIC")
+        .text(SPACING, b"DS", "2\\3")
+        .text(POSITION, b"DS", "-9\\-6\\5")
+        .text(BETWEEN_SLICES, b"DS", "4")
+        .text((0x18, 0x50), b"DS", "3.5")
+        .shorts((0x18, 0x1310), b"US", &[2, 0, 0, 2]);
+    set
+}
+
+#[test]
+fn mosaics_are_taken_apart() {
+    let slices: Vec<u16> = (0..5)
+        .flat_map(|k| [0, 1, 10, 11].map(|sample| 100 * k + sample))
+        .collect();
+    // nibabel's MosaicWrapper: the position moves by half of 6 − 2 pixels.
+    let upward = affine(
+        [[-3.0, 0.0, 0.0], [0.0, -2.0, 0.0], [0.0, 0.0, 4.0]],
+        [3.0, 2.0, 5.0],
+    );
+    for version in [1, 2] {
+        for (normal, reversed) in [(["0.0", "0.0", "1.0"], false), (["0", "0", "-1"], true)] {
+            let tags: [(&str, &[&str]); 3] = [
+                ("EchoLinePosition", &["2"]),
+                ("NumberOfImagesInMosaic", &["5"]),
+                ("SliceNormalVector", &normal),
+            ];
+            let mut set = mosaic();
+            set.put((0x29, 0x1010), b"OB", &csa(version, &tags));
+            let loaded = one(&set).unwrap();
+            assert_eq!(loaded.volume.grid().dims(), [2, 2, 5]);
+            let mut expected = slices.clone();
+            let mut place = upward;
+            if reversed {
+                // Downward from the first tile: the last one is the lowest.
+                expected = slices.chunks(4).rev().flatten().copied().collect();
+                place.translation.z = 5.0 - 16.0;
+            }
+            assert_eq!(samples(&loaded), expected, "version {version}");
+            assert_affine(loaded.volume.grid().world_from_voxel(), place, 1e-12);
+        }
+    }
+    // The number alone, from the other private element.
+    let mut set = mosaic();
+    set.shorts((0x19, 0x100A), b"US", &[5]);
+    assert_eq!(samples(&one(&set).unwrap()), slices);
+}
+
+#[test]
+fn what_only_says_mosaic_is_none() {
+    // Larger than what was acquired, but of how many slices?
+    let refused = message(&[("a.dcm", &mosaic().file())]);
+    assert!(refused.contains("NumberOfImagesInMosaic"), "{refused}");
+    // As large as what was acquired: one slice, with a note.
+    let mut set = mosaic();
+    set.shorts((0x18, 0x1310), b"US", &[6, 0, 0, 6]);
+    let loaded = one(&set).unwrap();
+    assert_eq!(loaded.volume.grid().dims(), [6, 6, 1]);
+    assert!(loaded.notes.iter().any(|note| note.contains("MOSAIC")));
+    // Frames with places of their own are slices whatever the image type says.
+    let mut set = image(6, 3, &(0..36).collect::<Vec<u16>>());
+    let frame = |z: u16| {
+        let mut place = Set::default();
+        place.text(POSITION, b"DS", &format!("0\\0\\{z}"));
+        let mut groups = Set::default();
+        groups.sequence((0x20, 0x9113), &[place]);
+        groups
+    };
+    set.text(IMAGE_TYPE, b"CS", "ORIGINAL\\PRIMARY\\M\\ND\\MOSAIC")
+        .text(FRAMES, b"IS", "2")
+        .shorts((0x19, 0x100A), b"US", &[4])
+        .sequence(PER_FRAME, &[frame(0), frame(2)]);
+    assert_eq!(one(&set).unwrap().volume.grid().dims(), [6, 3, 2]);
+    // Tiles that do not fill the picture.
+    let mut set = mosaic();
+    set.shorts((0x19, 0x100A), b"US", &[17]);
+    assert!(message(&[("a.dcm", &set.file())]).contains("5×5 tiles"));
+}
+
+/// Frames of 2×1 with samples 10·k, 10·k + 1.
+fn nuclear(kind: &str, frames: u16) -> Set {
+    let all: Vec<u16> = (0..frames).flat_map(|k| [10 * k, 10 * k + 1]).collect();
+    let mut place = Set::default();
+    place
+        .text(POSITION, b"DS", "-100\\-90\\50")
+        .text(ORIENTATION, b"DS", "1\\0\\0\\0\\1\\0");
+    let mut set = image(2, 1, &all);
+    set.0
+        .retain(|element| element.0 != 0x20 || element.1 == 0x0E);
+    set.text(
+        IMAGE_TYPE,
+        b"CS",
+        &format!("ORIGINAL\\PRIMARY\\{kind}\\EMISSION"),
+    )
+    .text((8, 0x60), b"CS", "NM")
+    .text(FRAMES, b"IS", &frames.to_string())
+    .text(BETWEEN_SLICES, b"DS", "4")
+    .sequence((0x54, 0x22), &[place]);
+    set
+}
+
+#[test]
+fn vectors_of_nuclear_medicine_say_slice_and_group() {
+    let time = |set: &Set, time_index| {
+        let options = ReadOptions {
+            time_index,
+            ..ReadOptions::default()
+        };
+        read_with(&[("a.dcm", &set.file())], &options)
+    };
+    let place = affine(
+        [[-1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 4.0]],
+        [100.0, 90.0, 50.0],
+    );
+    let mut set = nuclear("RECON GATED TOMO", 6);
+    set.shorts((0x54, 0x70), b"US", &[1, 1, 1, 2, 2, 2]).shorts(
+        (0x54, 0x80),
+        b"US",
+        &[1, 2, 3, 3, 2, 1],
+    );
+    let first = time(&set, 0).unwrap();
+    assert_eq!(first.volume.grid().dims(), [2, 1, 3]);
+    assert_eq!(first.volume.metadata().time_points, 2);
+    assert_affine(first.volume.grid().world_from_voxel(), place, 1e-12);
+    assert_eq!(samples(&first), [0, 1, 10, 11, 20, 21]);
+    assert_eq!(samples(&time(&set, 1).unwrap()), [50, 51, 40, 41, 30, 31]);
+
+    // Two energy windows of two phases; the slices change slowest.
+    let mut set = nuclear("RECON TOMO", 8);
+    set.shorts((0x54, 0x10), b"US", &[1, 1, 2, 2, 1, 1, 2, 2])
+        .shorts((0x54, 0x30), b"US", &[1, 2, 1, 2, 1, 2, 1, 2])
+        .shorts((0x54, 0x80), b"US", &[1, 1, 1, 1, 2, 2, 2, 2]);
+    let third = time(&set, 2).unwrap();
+    assert_eq!(third.volume.metadata().time_points, 4);
+    assert_eq!(samples(&third), [20, 21, 60, 61]);
+    assert!(
+        third
+            .notes
+            .iter()
+            .any(|note| note.contains("energy window and phase"))
+    );
+
+    // Without SliceVector, slices follow one another within their group.
+    let mut set = nuclear("RECON TOMO", 4);
+    set.shorts((0x54, 0x10), b"US", &[1, 1, 2, 2]);
+    assert_eq!(samples(&time(&set, 1).unwrap()), [20, 21, 30, 31]);
+
+    set.shorts((0x54, 0x80), b"US", &[1, 2, 3]);
+    assert!(
+        time(&set, 0)
+            .unwrap_err()
+            .to_string()
+            .contains("SliceVector (0054,0080)")
+    );
+    for kind in ["TOMO", "GATED TOMO", "DYNAMIC", "STATIC", "WHOLE BODY"] {
+        let refused = message(&[("a.dcm", &nuclear(kind, 4).file())]);
+        assert!(refused.contains("no slices"), "{kind}: {refused}");
+    }
+}
+
+/// Two places of 1×1 images; image `t` at place `k` has the value 10·t + k.
+fn series(volumes: usize, describe: impl Fn(usize, usize, &mut Set)) -> Vec<Set> {
+    let mut sets = Vec::new();
+    for t in 0..volumes {
+        for k in 0..2 {
+            let mut set = image(1, 1, &[(10 * t + k) as u16]);
+            set.text(POSITION, b"DS", &format!("0\\0\\{}", 2 * k));
+            describe(t, k, &mut set);
+            sets.push(set);
+        }
+    }
+    // The order of the files says nothing.
+    sets.reverse();
+    sets
+}
+
+fn assert_volumes(sets: &[Set], order: &[u16], said: &str) {
+    for (time, t) in order.iter().enumerate() {
+        let loaded = folder(sets, time).unwrap();
+        assert_eq!(samples(&loaded), [10 * t, 10 * t + 1], "{said} {time}");
+        assert_eq!(loaded.volume.metadata().time_points, order.len());
+        assert!(
+            loaded.notes.iter().any(|note| note.contains(said)),
+            "{:?}",
+            loaded.notes
+        );
+    }
+}
+
+#[test]
+fn volumes_are_told_apart_by_what_is_there() {
+    let number = |n: usize| n.to_string();
+    let blocks = series(3, |t, k, set| {
+        set.text(INSTANCE, b"IS", &number(2 * t + k + 1));
+    });
+    assert_volumes(&blocks, &[0, 1, 2], "instance number (1, 3, 5)");
+    let in_turns = series(12, |t, k, set| {
+        set.text(INSTANCE, b"IS", &number(12 * k + t));
+    });
+    assert_volumes(&in_turns, &(0..12).collect::<Vec<_>>(), "instance number");
+    let times = series(2, |t, k, set| {
+        set.text((8, 0x33), b"TM", &format!("1200{:02}.5", 59 - 30 * t + k))
+            .text(INSTANCE, b"IS", &number(2 * t + k));
+    });
+    assert_volumes(&times, &[1, 0], "content time");
+}
+
+#[test]
+fn diffusion_directions_come_as_they_were_acquired() {
+    // b = 0 has no direction; the first gradient is along x, and 700 comes after 1000.
+    let gradients = [
+        (0.0, None),
+        (1000.0, Some([1.0, 0.0, 0.0])),
+        (700.0, Some([1.0, 0.0, 0.0])),
+        (1000.0, Some([0.0, 0.6, -0.8])),
+    ];
+    let sets = series(4, |t, k, set| {
+        let (b, direction) = gradients[t];
+        set.doubles((0x18, 0x9087), &[b])
+            .text(INSTANCE, b"IS", &(4 * k + t).to_string());
+        if let Some(direction) = direction {
+            set.doubles((0x18, 0x9089), &direction);
+        }
+    });
+    assert_volumes(
+        &sets,
+        &[0, 1, 2, 3],
+        "b-value (s/mm²) and diffusion gradient direction",
+    );
+    let note = folder(&sets, 0).unwrap().notes.join("\n");
+    assert!(
+        note.contains("0 · none, 1000 · 1 0 0, 700 · 1 0 0, 1000 · 0 0.6 -0.8"),
+        "{note}"
+    );
+}
+
+#[test]
+fn two_attributes_together_tell_volumes_apart() {
+    let sets = series(4, |t, k, set| {
+        set.text((0x18, 0x81), b"DS", ["5", "2"][t % 2])
+            .text(
+                IMAGE_TYPE,
+                b"CS",
+                ["ORIGINAL\\PRIMARY\\P", "ORIGINAL\\PRIMARY\\M"][t / 2],
+            )
+            .text(INSTANCE, b"IS", &(4 * k + t).to_string());
+    });
+    assert_volumes(&sets, &[3, 1, 2, 0], "echo time (ms) and image type");
+}
+
+#[test]
+fn frames_follow_their_dimension_index() {
+    // Echo is the first dimension, the place the second, the component the third.
+    let pointer = |group, element| {
+        let mut item = Set::default();
+        item.shorts((0x20, 0x9165), b"AT", &[group, element]);
+        item
+    };
+    let frame = |echo: u32, place: u32, component: u32| {
+        let mut content = Set::default();
+        let values: Vec<u8> = [echo, place, component]
+            .iter()
+            .flat_map(|v| v.to_le_bytes())
+            .collect();
+        content.put((0x20, 0x9157), b"UL", &values);
+        let mut position = Set::default();
+        position.text(POSITION, b"DS", &format!("0\\0\\{}", 3 * place));
+        let mut groups = Set::default();
+        groups
+            .sequence((0x20, 0x9111), &[content])
+            .sequence((0x20, 0x9113), &[position]);
+        groups
+    };
+    let mut groups = Vec::new();
+    for place in [2, 1] {
+        for component in [2, 1] {
+            for echo in [1, 2] {
+                groups.push(frame(echo, place, component));
+            }
+        }
+    }
+    let mut set = image(1, 1, &[0, 1, 2, 3, 4, 5, 6, 7]);
+    set.text(FRAMES, b"IS", "8")
+        .sequence(PER_FRAME, &groups)
+        .sequence(
+            (0x20, 0x9222),
+            &[
+                pointer(0x18, 0x9082),
+                pointer(0x20, 0x9057),
+                pointer(8, 0x9208),
+            ],
+        );
+    for (time_index, expected) in [[6, 2], [4, 0], [7, 3], [5, 1]].iter().enumerate() {
+        let options = ReadOptions {
+            time_index,
+            ..ReadOptions::default()
+        };
+        let loaded = read_with(&[("a.dcm", &set.file())], &options).unwrap();
+        assert_eq!(samples(&loaded), expected);
+        assert!(
+            loaded.notes[0].contains("dimension index (1 1, 1 2, 2 1, 2 2)"),
+            "{:?}",
+            loaded.notes
+        );
+    }
+}
+
+#[test]
+fn frames_of_a_tomograph_are_as_far_apart_as_they_are_thick() {
+    let mut set = image(2, 1, &[0, 1, 2, 3, 4, 5]);
+    set.text((8, 0x60), b"CS", "CT")
+        .text(FRAMES, b"IS", "3")
+        .text((0x18, 0x50), b"DS", "0.3");
+    let loaded = one(&set).unwrap();
+    assert_eq!(loaded.volume.grid().dims(), [2, 1, 3]);
+    assert_eq!(loaded.volume.grid().spacing_mm().z, 0.3);
+    assert!(
+        loaded.notes[0].contains("slice thickness, 0.3 mm"),
+        "{:?}",
+        loaded.notes
+    );
+    // Frames that follow in time are no slices.
+    set.shorts((0x28, 9), b"AT", &[0x18, 0x1063]);
+    assert!(message(&[("a.dcm", &set.file())]).contains("moments of a film"));
+}
+
+#[test]
+fn elements_are_read_as_they_are_written() {
+    let set = image(2, 1, &[7, 8]);
+    for (syntax, elements) in [
+        ("1.2.840.10008.1.2.1", set.implicit()),
+        ("1.2.840.10008.1.2", set.explicit()),
+    ] {
+        let loaded = read(&[("a.dcm", &file_of(syntax, &elements))]).unwrap();
+        assert_eq!(samples(&loaded), [7, 8]);
+        assert!(
+            loaded
+                .notes
+                .iter()
+                .any(|note| note.contains("value representations"))
+        );
+    }
+    for (syntax, elements) in [
+        ("1.2.840.10008.1.2", set.implicit()),
+        ("1.2.840.10008.1.2.1", set.explicit()),
+    ] {
+        let loaded = read(&[("a.dcm", &file_of(syntax, &elements))]).unwrap();
+        assert!(
+            !loaded
+                .notes
+                .iter()
+                .any(|note| note.contains("value representations"))
+        );
+    }
+}
+
+#[test]
+fn the_missing_part_of_the_place_is_named() {
+    for (tag, name) in [
+        (POSITION, "ImagePositionPatient (0020,0032)"),
+        (ORIENTATION, "ImageOrientationPatient (0020,0037)"),
+    ] {
+        let mut set = image(2, 1, &[7, 8]);
+        set.0.retain(|element| (element.0, element.1) != tag);
+        let found = message(&[("a.dcm", &set.file())]);
+        assert!(found.contains(&format!("{name} is missing")), "{found}");
+    }
+}
