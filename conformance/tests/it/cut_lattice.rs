@@ -1,6 +1,7 @@
 //! A lattice that is cut into intervals, the states of its rays stored in between, gives the bytes of one that is not.
 
 use crate::random::{Random, seeds};
+use crate::segments::{any_segments, data};
 use std::ops::{ControlFlow, Range};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use strahl_cpu::{InstructionSet, Options, Renderer};
@@ -23,7 +24,7 @@ fn intervals(random: &mut Random, plan: &Plan, longest: u32) -> Vec<Range<u32>> 
     ends.extend([0, u32::MAX]);
     ends.sort_unstable();
     let mut intervals: Vec<_> = ends.windows(2).map(|ends| ends[0]..ends[1]).collect();
-    if plan.technique().composite == Composite::BackToFront {
+    if plan.composite() == Composite::BackToFront {
         intervals.reverse();
     }
     intervals
@@ -61,7 +62,7 @@ fn check(random: &mut Random, what: &str, renderer: &Renderer, plan: &Plan) {
     let (expected, found) = (bits(&at_once), bits(&in_cuts));
     if let Some(i) = (0..expected.len()).find(|&i| expected[i] != found[i]) {
         let [expected, found] = [expected[i], found[i]].map(f32::from_bits);
-        let (composite, sampling) = (plan.technique().composite, plan.sampling);
+        let (composite, sampling) = (plan.composite(), plan.sampling);
         panic!("{what}: number {i} is {found} instead of {expected}; {composite:?}, {sampling:?}");
     }
     let (a, b) = (counts, in_cuts.stats.counts.unwrap());
@@ -70,10 +71,7 @@ fn check(random: &mut Random, what: &str, renderer: &Renderer, plan: &Plan) {
         (b.lattice_points, b.rays_in_volume),
         "{what}"
     );
-    let is_extreme = matches!(
-        plan.technique().composite,
-        Composite::Mip | Composite::Minip
-    );
+    let is_extreme = matches!(plan.composite(), Composite::Mip | Composite::Minip);
     if is_constant && !is_extreme {
         let of_samples = |s: &Counts| {
             [
@@ -213,6 +211,17 @@ fn of_several_volumes() {
             ..Datasets::from(&volumes[0])
         };
         let renderer = Renderer::new(data);
+        check(&mut random, &format!("seed {seed}"), &renderer, &plan);
+    }
+}
+
+/// Each ray is then in the middle of a run by any local rule.
+#[test]
+fn of_segments() {
+    for seed in seeds(150) {
+        let mut random = Random::new(seed ^ 0xC079);
+        let (volume, labels, plan) = any_segments(&mut random);
+        let renderer = Renderer::new(data(&volume, &labels));
         check(&mut random, &format!("seed {seed}"), &renderer, &plan);
     }
 }

@@ -101,6 +101,7 @@ fn several_volumes_meshes_and_masks_look_the_same() {
         volumes: vec![a.clone(), b.clone()],
         masks: vec![mask.clone()],
         meshes: vec![mesh.clone()],
+        ..Datasets::default()
     };
     let mut plan = two(&a, &b);
     (plan.width, plan.height) = (61, 50);

@@ -128,6 +128,7 @@ fn several_objects_are_their_standard_graph() {
         volumes: vec![a.clone(), b.clone()],
         masks: Vec::new(),
         meshes: vec![mesh.clone()],
+        ..Datasets::default()
     };
     let mut plan = two(&a, &b);
     (plan.width, plan.height) = (61, 50);

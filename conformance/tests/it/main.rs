@@ -12,6 +12,7 @@ mod orientation;
 mod parameters;
 mod random;
 mod same_bytes;
+mod segments;
 mod sim;
 mod simple;
 mod techniques;

@@ -68,7 +68,7 @@ impl Random {
         }
     }
 
-    fn rotation(&mut self) -> DMat3 {
+    pub fn rotation(&mut self) -> DMat3 {
         let angles = self.vector() * std::f64::consts::PI;
         DMat3::from_quat(DQuat::from_euler(
             EulerRot::XYZ,

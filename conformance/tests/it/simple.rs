@@ -122,8 +122,11 @@ pub fn plan(volume: &Volume, camera: PlanCamera, table: TransferTable) -> Plan {
         }],
         layers: vec![Layer {
             field: 0,
-            technique: 0,
+            segments: Segments::Whole { technique: 0 },
         }],
+        global_composite: Composite::EmissionAbsorption {
+            stop_at_transmittance: 0.0,
+        },
         meshes: Vec::new(),
         lattice: Lattice {
             step_mm: 0.5 * volume.grid().min_spacing_mm(),

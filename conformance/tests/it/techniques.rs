@@ -16,7 +16,7 @@ use strahl_volume::{Control, Datasets};
 
 /// Any technique for values of `range`. Not both an opacity that follows the gradient, and a gradient of the
 /// opacity, are in one Plan: `resolve` refuses it.
-fn any_technique(random: &mut Random, [low, high]: [f32; 2], of_opacity: bool) -> Technique {
+pub fn any_technique(random: &mut Random, [low, high]: [f32; 2], of_opacity: bool) -> Technique {
     let gradient_input = if of_opacity {
         random.pick(&[GradientInput::Value, GradientInput::Opacity])
     } else {
@@ -68,7 +68,7 @@ fn any_technique(random: &mut Random, [low, high]: [f32; 2], of_opacity: bool) -
     }
 }
 
-fn light() -> Vec<PlanLight> {
+pub fn light() -> Vec<PlanLight> {
     vec![PlanLight::Directional {
         to_light: glam::DVec3::new(0.6, -0.8, 0.0),
         radiance: [1.0, 0.9, 0.8],
@@ -162,7 +162,7 @@ fn all_renderers_draw_each_layer_by_its_technique() {
     assert!(varied > 15, "{varied}");
 }
 
-fn linked(linker: &mut Linker, plan: &Plan) -> Arc<Program> {
+pub fn linked(linker: &mut Linker, plan: &Plan) -> Arc<Program> {
     let functions = Functions::of(plan, true, |_, threshold| f64::from(threshold)).unwrap();
     let skeleton = ray_loop(&loop_of(plan, Texels::Float)).unwrap();
     linker.link(&skeleton, &functions.selection).unwrap()

@@ -329,6 +329,7 @@ fn twins_give_the_same_from_the_same_numbers() {
                 volumes: vec![case.volume.clone()],
                 masks: case.masks.clone(),
                 meshes: case.meshes.clone(),
+                ..Datasets::default()
             };
             let cpu = strahl_cpu::Renderer::new(data.clone())
                 .render(&case.plan, &Default::default(), &Control::NONE)

@@ -280,6 +280,7 @@ fn a_mesh_hides_what_is_behind_it_and_no_more() {
             volumes: vec![fog.clone()],
             masks: vec![],
             meshes: vec![mesh.clone()],
+            ..Datasets::default()
         };
         let mut plan = plan(&fog, parallel(DVec3::Y, 60.0, 8.0), white(opacity, 1.0));
         plan.lattice.step_mm = 0.01;
@@ -341,6 +342,7 @@ fn a_mask_of_a_half_space_cuts_as_a_box() {
         volumes: vec![fog.clone()],
         masks: vec![mask.clone()],
         meshes: vec![],
+        ..Datasets::default()
     };
     for keep_inside in [true, false] {
         let mut masked = plan(

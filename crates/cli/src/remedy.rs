@@ -49,6 +49,7 @@ fn of_gpu(error: &gpu::Error) -> Option<String> {
         | gpu::Error::TooLarge { .. }
         | gpu::Error::MeshTooLarge { .. }
         | gpu::Error::MaskTooLarge { .. }
+        | gpu::Error::LabelsTooLarge { .. }
         | gpu::Error::NoBlending { .. } => ON_CPU,
         gpu::Error::NoSuchAdapter { .. } => "`strahl info --adapters` lists them",
         gpu::Error::Slicing(SlicingError::Depth) => NO_DEPTH,

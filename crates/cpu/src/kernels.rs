@@ -69,7 +69,15 @@ impl Task for Running<'_> {
         let samples = volume.samples();
         let rescale = plan.field().rescale;
         let values = values::<S>(volume.grid(), samples, rescale, plan.field().reconstruct);
-        let object = Object::new(plan, 0, &*values, None, &[], Known::default());
+        let object = Object::new(
+            plan,
+            0,
+            plan.technique(),
+            &*values,
+            None,
+            &[],
+            Known::default(),
+        );
         vectorized::<S, _>(
             #[inline(always)]
             || {

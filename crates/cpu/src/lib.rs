@@ -56,6 +56,7 @@ mod refine;
 mod rejection;
 mod renderer;
 mod scenery;
+mod segment_numbers;
 mod skip;
 mod strides;
 mod tiles;

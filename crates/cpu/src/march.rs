@@ -9,7 +9,9 @@ mod counts;
 mod look_back;
 mod packet;
 mod projection;
+mod runs;
 mod segments;
+mod through_labels;
 mod through_one;
 mod through_several;
 mod through_voxels;
@@ -36,6 +38,7 @@ impl<S: Level> Scenery<'_, S> {
     pub fn march(&self, rays: &RayPacket<S>, of_runs: &mut OfRuns<S>, counts: &mut Counts) -> Seen {
         let mut packet = Packet::new(self, rays);
         match (self.objects.as_slice(), self.composite) {
+            _ if self.segments.is_some() => packet.advance(),
             // All of the lattice at once: where extreme values are likely first.
             ([object], Composite::Mip | Composite::Minip)
                 if let Some(bounds) = object.skip.as_ref().and_then(Skip::bounds) =>
@@ -84,8 +87,7 @@ impl<S: Level> Scenery<'_, S> {
 
 /// A ray of `plan` before its first lattice point.
 pub fn start(plan: &Plan) -> RayState {
-    let composite = plan.technique().composite;
-    let state = with_rule!(composite, rule => rule.start::<Portable>());
+    let state = with_rule!(plan.composite(), rule => rule.start::<Portable>());
     RayState {
         value: state.value.lane(0),
         ..RayState::default()
@@ -96,6 +98,9 @@ impl<S: Level> Packet<'_, S> {
     /// Goes on by the loop of the Plan.
     #[inline(always)]
     fn advance(&mut self) {
+        if let Some(segments) = &self.scenery.segments {
+            return self.through_labels(segments);
+        }
         match self.scenery.objects.as_slice() {
             [object] => match self.scenery.composite {
                 Composite::EmissionAbsorption { .. } => self.by_rule(object),

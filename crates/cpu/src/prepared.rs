@@ -14,6 +14,7 @@ use crate::making::Making;
 use crate::meshes::Meshes;
 use crate::rejection::{OfCubic, Rejection};
 use crate::scenery::{Known, Object, Scenery, Stored};
+use crate::segment_numbers::SegmentNumbers;
 use crate::skip::Skip;
 use crate::strides::Strides;
 use std::sync::Arc;
@@ -22,13 +23,18 @@ use strahl_scene::Source;
 use strahl_scene::plan::{Fetch, Field, Plan, Reconstruct, Sampling};
 use strahl_scene::visibility::ContributionOf;
 use strahl_volume::bricks::{BrickRange, Bricks, BricksOf};
-use strahl_volume::{Cancelled, CoefficientsOf, ContentId, Datasets, Key, Rescale, Volume};
+use strahl_volume::{
+    Cancelled, CoefficientsOf, ContentId, Datasets, Key, LabelNumbers, LabelNumbersOf, Rescale,
+    Volume,
+};
 
 /// What the objects of a Plan are drawn from, and what is known of it.
 pub struct Prepared {
     sources: Vec<Source>,
     known: Vec<Known>,
     masks: Vec<Volume>,
+    /// Of the label volume whose segments are drawn.
+    label_numbers: Option<Arc<LabelNumbers>>,
     meshes: Meshes,
     /// For bricks, and for the rest.
     pub bricks_seconds: f64,
@@ -54,13 +60,18 @@ impl Prepared {
             let bricks_start = Instant::now();
             let reading = Reading::new(making, field, source)?;
             bricks_seconds += bricks_start.elapsed().as_secs_f64();
-            known.push(reading.known(making, &data.masks, plan, layer, skips)?);
+            known.push(match plan.labelled() {
+                // Every lattice point says whether a run ends.
+                Some(_) => Known::default(),
+                None => reading.known(making, &data.masks, plan, layer, skips)?,
+            });
             sources.push(reading.source);
         }
         Ok(Prepared {
             sources,
             known,
             masks: data.masks.clone(),
+            label_numbers: label_numbers(making, data, plan)?,
             meshes: Meshes::new(making, &data.meshes)?,
             bricks_seconds,
             seconds: start.elapsed().as_secs_f64() - bricks_seconds,
@@ -82,6 +93,7 @@ impl Prepared {
             .map(|(source, field)| values_of(source, field))
             .collect();
         let object = |(index, known): (usize, Known)| {
+            let technique = plan.technique_of(index);
             let field = plan.field_of(index);
             let is_plain =
                 field.fetch == Fetch::Stored && field.reconstruct == Reconstruct::Trilinear;
@@ -89,16 +101,49 @@ impl Prepared {
             let stored = is_plain
                 .then(|| Stored::new(&field.grid, samples))
                 .flatten();
-            Object::new(plan, index, &*values[index], stored, &masks, known)
+            Object::new(
+                plan,
+                index,
+                technique,
+                &*values[index],
+                stored,
+                &masks,
+                known,
+            )
         };
+        let of_segments = |technique| {
+            let known = Known::default();
+            Object::new(plan, 0, technique, &*values[0], None, &masks, known)
+        };
+        let numbers = self.label_numbers.as_deref();
+        let segments = numbers.and_then(|numbers| SegmentNumbers::new(plan, numbers));
         draw(&Scenery {
             plan,
-            objects: self.known.into_iter().enumerate().map(object).collect(),
+            objects: match &segments {
+                Some(_) => plan.drawn_techniques().map(of_segments).collect(),
+                None => self.known.into_iter().enumerate().map(object).collect(),
+            },
+            segments,
             jitters: Jitters::new(plan),
             meshes: &self.meshes,
-            composite: plan.technique().composite,
+            composite: plan.composite(),
         })
     }
+}
+
+/// The numbers of the segments of `plan`, if it has those of a label volume.
+fn label_numbers(
+    making: &Making,
+    data: &Datasets,
+    plan: &Plan,
+) -> Result<Option<Arc<LabelNumbers>>, Error> {
+    let Some(labelled) = plan.labelled() else {
+        return Ok(None);
+    };
+    let labels = &data.labels[labelled.labels];
+    let key = LabelNumbersOf(labels.content_id());
+    let numbers = making.find(&key, || labels.numbers_under(making.control))?;
+    Ok(Some(numbers))
 }
 
 /// The values of a field: slots fetch and reconstruct.

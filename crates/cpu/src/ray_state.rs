@@ -15,7 +15,8 @@
 /// | `first_hit` | `alpha`, `place`: until the ray is finished, the number of the lattice point that was hit |
 /// | debug views | `color`, `alpha`; `sample_count`: `number` |
 ///
-/// Shading that keeps the last normal needs `last_normal`. Of the rules of sampling
+/// Shading that keeps the last normal needs `last_normal`. Segments of a label volume need `segment`, `technique` and
+/// what begins with `seen` and `hit`; the fields of the composite are then those of the run that goes on. Of the rules of sampling
 ///
 /// - `regular` and `adaptive` need nothing more. (A run of `adaptive` that begins in an interval is done in it: the ray
 ///   then stands behind the interval.)
@@ -53,6 +54,18 @@ pub struct RayState {
     pub gradient: [f32; 3],
     /// Bit i: `values[i]` is known; bit 3: `gradient` is.
     pub known: u32,
+    /// The segment of the last lattice point by its number in the label volume, counted from 1; 0 if there was none.
+    pub segment: u32,
+    /// Its technique, counted from 1; 0 where it is hidden or no more of its run is to be seen.
+    pub technique: u32,
+    /// What the runs of segments that have ended add up to, premultiplied …
+    pub seen_color: [f32; 3],
+    /// … and how opaque they are.
+    pub seen_alpha: f32,
+    /// Lattice coordinate of the first hit among them …
+    pub hit_place: f32,
+    /// … if there was one: 1.
+    pub has_hit: u32,
     /// Samples taken …
     pub samples: u32,
     /// … those that took part in the pixel …
@@ -62,7 +75,7 @@ pub struct RayState {
 }
 
 /// The numbers of a [`RayState`].
-pub const NUMBERS: usize = 23;
+pub const NUMBERS: usize = 31;
 
 impl RayState {
     /// All numbers, each exact: counts are at most 2^24.
@@ -71,6 +84,7 @@ impl RayState {
         let [nx, ny, nz] = self.last_normal;
         let [before, begin, end] = self.values;
         let [gx, gy, gz] = self.gradient;
+        let [seen_r, seen_g, seen_b] = self.seen_color;
         [
             self.walked as f32,
             r,
@@ -92,6 +106,14 @@ impl RayState {
             gy,
             gz,
             self.known as f32,
+            self.segment as f32,
+            self.technique as f32,
+            seen_r,
+            seen_g,
+            seen_b,
+            self.seen_alpha,
+            self.hit_place,
+            self.has_hit as f32,
             self.samples as f32,
             self.visible as f32,
             self.skipped as f32,
@@ -121,6 +143,14 @@ impl RayState {
             gy,
             gz,
             known,
+            segment,
+            technique,
+            seen_r,
+            seen_g,
+            seen_b,
+            seen_alpha,
+            hit_place,
+            has_hit,
             samples,
             visible,
             skipped,
@@ -138,6 +168,12 @@ impl RayState {
             values: [before, begin, end],
             gradient: [gx, gy, gz],
             known: known as u32,
+            segment: segment as u32,
+            technique: technique as u32,
+            seen_color: [seen_r, seen_g, seen_b],
+            seen_alpha,
+            hit_place,
+            has_hit: has_hit as u32,
             samples: samples as u32,
             visible: visible as u32,
             skipped: skipped as u32,

@@ -13,17 +13,22 @@ use crate::library::reconstruct::Values;
 use crate::library::shade::{Place, Shading};
 use crate::meshes::Meshes;
 use crate::rejection::Rejection;
+use crate::segment_numbers::SegmentNumbers;
 use crate::skip::Skip;
 use crate::strides::{Strides, of_stride};
 use std::sync::Arc;
-use strahl_scene::plan::{Classify, Composite, GradientInput, Plan};
+use strahl_scene::plan::{Classify, Composite, GradientInput, Plan, Technique};
 use strahl_volume::{Grid, Samples};
 
 /// The functions in the slots, with what they read.
 pub struct Scenery<'p, S: Level> {
     pub plan: &'p Plan,
+    /// Of the whole: that of the one technique, or how runs of segments add up.
     pub composite: Composite,
+    /// One for each layer; where there are segments, one for each technique, all of the same field.
     pub objects: Vec<Object<'p, S>>,
+    /// The segments of the layer, where those of a label volume are drawn.
+    pub segments: Option<SegmentNumbers<'p>>,
     pub jitters: Jitters,
     pub meshes: &'p Meshes,
 }
@@ -49,6 +54,7 @@ pub struct Object<'p, S: Level> {
     /// What is shown between two values; where the Plan's sampling is integrated.
     pub integrals: Option<Arc<Integrals>>,
     classify: Classify,
+    pub composite: Composite,
     pub shading: Shading,
     /// Of the values from stored numbers: slope and intercept.
     rescale: [f32; 2],
@@ -117,10 +123,11 @@ impl<S: Level> Look<S> {
 }
 
 impl<'p, S: Level> Object<'p, S> {
-    /// Layer number `layer` of `plan`.
+    /// Layer number `layer` of `plan`, drawn by `technique`.
     pub fn new(
         plan: &'p Plan,
         layer: usize,
+        technique: &'p Technique,
         values: &'p dyn Values<S>,
         stored: Option<Stored<'p>>,
         masks: &'p [Box<dyn Values<S> + 'p>],
@@ -133,7 +140,7 @@ impl<'p, S: Level> Object<'p, S> {
             strides,
             integrals,
         } = known;
-        let (field, technique) = (plan.field_of(layer), plan.technique_of(layer));
+        let field = plan.field_of(layer);
         let table = &technique.table;
         let part_mm = plan.lattice.step_mm / f64::from(plan.sampling.parts());
         Object {
@@ -154,6 +161,7 @@ impl<'p, S: Level> Object<'p, S> {
                 .then(|| Between::new(technique.classify, table)),
             integrals,
             classify: technique.classify,
+            composite: technique.composite,
             shading: Shading::new(technique.shade, plan),
             steps_per_reference: steps_per_reference(part_mm, table.reference_mm()),
             world_from_voxel: Affine::new(field.grid.world_from_voxel()),

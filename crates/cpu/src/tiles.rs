@@ -144,7 +144,7 @@ fn draw_tile<S: Level>(
     parts: &Parts,
 ) -> Counts {
     let mut counts = Counts::default();
-    let mut rays = RayPacket::empty(scenery.objects.len());
+    let mut rays = RayPacket::empty(scenery.plan.layers.len());
     let mut of_runs = OfRuns::none();
     let (width, height) = (tile.rows[0].len(), tile.rows.len());
     let [x0, y0] = tile.corner;
@@ -199,7 +199,7 @@ fn march_tile<S: Level>(
     parts: &Parts,
 ) {
     let frames = scenery.plan.lattice.frames as usize;
-    let mut rays = RayPacket::empty(scenery.objects.len());
+    let mut rays = RayPacket::empty(scenery.plan.layers.len());
     let (width, height) = (rows[0].len() / frames, rows.len());
     let end = [(x0 + width) as u32, (y0 + height) as u32];
     for y in (0..height).step_by(PACKET[1]) {

@@ -7,7 +7,8 @@ use strahl_scene::Source;
 use strahl_scene::plan::{Field, Plan};
 use strahl_volume::bricks::Bricks;
 use strahl_volume::{
-    ContentId, Control, Datasets, Mesh, Rescale, Store, ValuesOf, Volume, with_samples,
+    ContentId, Control, Datasets, LabelIds, LabelNumbers, LabelNumbersOf, Mesh, Rescale, Store,
+    ValuesOf, Volume, with_samples,
 };
 
 /// What a Plan reads of its data.
@@ -17,6 +18,8 @@ pub struct Data<'d> {
     /// interpolating B-splines read; with the bricks. `None` for volumes that no object shows.
     read: Vec<Option<(Source, Arc<Bricks>)>>,
     masks: Vec<Arc<Volume>>,
+    /// Of the label volume whose segments are drawn.
+    label_numbers: Option<Arc<LabelNumbers>>,
 }
 
 /// A threshold in values, in the numbers of the texture of mask `mask`.
@@ -53,10 +56,19 @@ impl<'d> Data<'d> {
                 }
             });
         }
+        let label_numbers = match plan.labelled() {
+            Some(labelled) => {
+                let labels = &datasets.labels[labelled.labels];
+                let key = LabelNumbersOf(labels.content_id());
+                Some(store.find(&key, control, || labels.numbers_under(control))?)
+            }
+            None => None,
+        };
         Ok(Data {
             datasets,
             read,
             masks,
+            label_numbers,
         })
     }
 
@@ -104,6 +116,24 @@ impl<'d> Data<'d> {
             _ => Numbers::Stored(samples),
         };
         Texture::new(volume.grid().dims().map(|n| n as u32), 1, numbers)
+    }
+
+    /// The numbers of the segments, if those of a label volume are drawn.
+    pub fn segments(&self) -> Option<&LabelNumbers> {
+        self.label_numbers.as_deref()
+    }
+
+    /// Their texture.
+    pub fn labels(&self, plan: &Plan) -> Option<Result<Texture<'_>, Error>> {
+        let LabelNumbers { numbers, .. } = self.segments()?;
+        let labels = &self.datasets.labels[plan.labelled()?.labels];
+        let numbers: Vec<u32> = match numbers {
+            LabelIds::U8(numbers) => numbers.iter().map(|n| u32::from(*n)).collect(),
+            LabelIds::U16(numbers) => numbers.iter().map(|n| u32::from(*n)).collect(),
+            LabelIds::U32(numbers) => numbers.clone(),
+        };
+        let dims = labels.grid().dims().map(|n| n as u32);
+        Some(Texture::new(dims, 1, Numbers::U32(numbers.into())))
     }
 
     /// The texture of mask `mask`, if there is one.

@@ -50,8 +50,8 @@ use run::State;
 use std::sync::Arc;
 use std::time::Instant;
 use strahl_program::{
-    Frame, Functions, Object, Order, Slices, Slicing, Table2d, noise_tile, tables, techniques_of,
-    visible_bricks,
+    Frame, Functions, Object, Order, SegmentTable, Slices, Slicing, Table2d, noise_tile, tables,
+    techniques_of, visible_bricks,
 };
 use strahl_scene::plan::Plan;
 use strahl_scene::{Image, OtherData};
@@ -287,7 +287,9 @@ impl<'a> Scenery<'a> {
                 Object::of(plan, layer, slope, intercept)
             })
             .collect();
-        let entries = tables(plan, &mut objects)?;
+        let segments = data.segments();
+        let segments = segments.and_then(|numbers| SegmentTable::of(plan, &numbers.ids));
+        let entries = tables(plan, &mut objects, segments.as_ref())?;
         let of_objects = data.of_objects(plan);
         let of_object = |i: usize| of_objects[i];
         let (brick_dims, bricks) = visible_bricks(plan, &mut objects, of_object, store, control)?;
@@ -334,6 +336,18 @@ impl<'a> Scenery<'a> {
                         None if binding == bindings::OPAQUE_MM => flat(vec![NOWHERE_MM], [1; 2], 1),
                         None => flat(vec![0.0; 4], [1; 2], 4),
                     }
+                }
+                bindings::LABELS => {
+                    let labels = data.labels(plan).unwrap_or_else(nothing);
+                    Ok(Resource::Texture(labels?))
+                }
+                bindings::SEGMENTS => {
+                    let techniques = segments.as_ref().map(|s| s.techniques.clone());
+                    let techniques = techniques.unwrap_or(vec![0]);
+                    let width = TABLE_ROW.min(techniques.len() as u32);
+                    let size = [width, techniques.len() as u32 / width, 1];
+                    let numbers = Numbers::U32(techniques.into());
+                    Ok(Resource::Texture(Texture::new(size, 1, numbers)?))
                 }
                 bindings::PAGES => Err(Error::NotCovered {
                     what: "volume in pages".into(),

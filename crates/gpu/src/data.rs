@@ -3,13 +3,16 @@
 use crate::device::Device;
 use crate::error::Error;
 use crate::geometry::MeshCorners;
+use crate::label_texture::LabelTexture;
 use crate::volume_texture::{Pages, Storage, VolumeTexture};
 use std::sync::Arc;
 use strahl_scene::Source;
 use strahl_scene::plan::{Field, Plan};
 use strahl_shader::Texels;
 use strahl_volume::bricks::Bricks;
-use strahl_volume::{ContentId, Control, Datasets, Key, Store, ValuesOf, Volume};
+use strahl_volume::{
+    ContentId, Control, Datasets, Key, LabelNumbersOf, LabelVolume, Store, ValuesOf, Volume,
+};
 
 /// Data that Plans are drawn from, and how the device holds it: known before anything is copied.
 #[derive(Clone, Debug)]
@@ -34,6 +37,20 @@ impl Key for TextureOf {
     const NAME: &str = "textures of volumes";
 
     fn bytes(&self, value: &VolumeTexture) -> usize {
+        value.bytes
+    }
+}
+
+/// Key of the segments of a label volume on the device.
+#[derive(Clone, PartialEq)]
+struct LabelTextureOf(ContentId);
+
+impl Key for LabelTextureOf {
+    type Value = LabelTexture;
+
+    const NAME: &str = "textures of labels";
+
+    fn bytes(&self, value: &LabelTexture) -> usize {
         value.bytes
     }
 }
@@ -164,10 +181,18 @@ impl Data {
                 None => device.store().put(&key, MeshCorners::new(device, mesh)?),
             });
         }
+        let labels = match plan.labelled() {
+            Some(labelled) => {
+                let labels = &self.datasets.labels[labelled.labels];
+                Some(self.labels(device, labels, control)?)
+            }
+            None => None,
+        };
         device.check()?;
         Ok(OnDevice {
             volumes,
             masks,
+            labels,
             meshes,
         })
     }
@@ -186,6 +211,23 @@ impl Data {
             return Ok(known);
         }
         let texture = VolumeTexture::new(device, volume, self.most, control).await?;
+        Ok(device.store().put(&key, texture))
+    }
+
+    fn labels(
+        &self,
+        device: &Device,
+        labels: &LabelVolume,
+        control: &Control,
+    ) -> Result<Arc<LabelTexture>, Error> {
+        let key = LabelTextureOf(labels.content_id());
+        if let Some(known) = device.store().get(&key) {
+            return Ok(known);
+        }
+        let numbers = self.store.find(&LabelNumbersOf(key.0), control, || {
+            labels.numbers_under(control)
+        })?;
+        let texture = LabelTexture::new(device, labels.grid().dims(), &numbers, self.most)?;
         Ok(device.store().put(&key, texture))
     }
 
@@ -226,6 +268,8 @@ fn reader(plan: &Plan, volume: usize) -> Option<&Field> {
 pub struct OnDevice {
     volumes: Vec<VolumeOnDevice>,
     masks: Vec<Arc<VolumeTexture>>,
+    /// The segments that are drawn.
+    pub labels: Option<Arc<LabelTexture>>,
     pub meshes: Vec<Arc<MeshCorners>>,
 }
 

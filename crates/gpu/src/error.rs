@@ -65,6 +65,16 @@ pub enum Error {
         /// Voxels along an axis.
         most: u32,
     },
+    /// A label volume is larger than a texture.
+    #[error(
+        "the label volume has {dims:?} voxels, the graphics adapter takes at most {most} along an axis; draw on the processor"
+    )]
+    LabelsTooLarge {
+        /// Of the label volume.
+        dims: [usize; 3],
+        /// Voxels along an axis.
+        most: u32,
+    },
     /// The Plan was resolved for other data.
     #[error(transparent)]
     OtherData(#[from] strahl_scene::OtherData),

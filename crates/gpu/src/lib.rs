@@ -26,6 +26,7 @@ mod data;
 mod device;
 mod error;
 mod geometry;
+mod label_texture;
 mod pipelines;
 mod shown;
 mod signal;
@@ -47,8 +48,8 @@ use shown::{Show, Shower};
 use std::sync::Arc;
 use std::time::Instant;
 use strahl_program::{
-    Frame, Functions, Object, Slices, Slicing, Table2d, noise_tile, stacked, tables, techniques_of,
-    visible_bricks,
+    Frame, Functions, Object, SegmentTable, Slices, Slicing, Table2d, noise_tile, stacked, tables,
+    techniques_of, visible_bricks,
 };
 use strahl_scene::Image;
 use strahl_scene::plan::{Compositing, Plan};
@@ -618,7 +619,21 @@ impl Renderer {
                 Object::of(plan, layer, slope, intercept)
             })
             .collect();
-        let tables = self.tables(plan, &mut objects)?;
+        let labels = data.labels.as_deref();
+        let segments = labels.and_then(|labels| SegmentTable::of(plan, &labels.ids));
+        let tables = self.tables(plan, &mut objects, segments.as_ref())?;
+        let techniques = segments.as_ref().map_or(&[0; 1][..], |s| &s.techniques);
+        let techniques = self.texture(
+            "segments",
+            wgpu::TextureDimension::D2,
+            wgpu::TextureFormat::R32Uint,
+            [
+                TABLE_ROW.min(techniques.len() as u32),
+                (techniques.len() as u32).div_ceil(TABLE_ROW),
+                1,
+            ],
+            bytemuck::cast_slice(techniques),
+        );
         let bricks = self.bricks(plan, &mut objects, &data, control)?;
         let pages = self.pages(plan, &mut objects, &data);
         let tile = self.noise_tile(plan);
@@ -665,6 +680,8 @@ impl Renderer {
                     bindings::BRICKS => TextureView(&bricks),
                     bindings::NOISE_TILE => TextureView(&tile),
                     bindings::PAGES => TextureView(&pages),
+                    bindings::LABELS => TextureView(labels.map_or(&bricks, |l| &l.view)),
+                    bindings::SEGMENTS => TextureView(&techniques),
                     bindings::OPAQUE_MM | bindings::OPAQUE_COLOR => match &geometry {
                         Some(geometry) if binding == bindings::OPAQUE_MM => {
                             TextureView(&geometry.distance.view)
@@ -716,8 +733,13 @@ impl Renderer {
     }
 
     /// The transfer tables of all objects in rows of [`TABLE_ROW`] entries.
-    fn tables(&self, plan: &Plan, objects: &mut [Object]) -> Result<wgpu::TextureView, Error> {
-        let entries = tables(plan, objects)?;
+    fn tables(
+        &self,
+        plan: &Plan,
+        objects: &mut [Object],
+        segments: Option<&SegmentTable>,
+    ) -> Result<wgpu::TextureView, Error> {
+        let entries = tables(plan, objects, segments)?;
         Ok(self.texture(
             "transfer tables",
             wgpu::TextureDimension::D2,

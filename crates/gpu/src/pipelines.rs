@@ -156,7 +156,8 @@ fn binding_type(binding: u32, texels: &[Texels]) -> wgpu::BindingType {
             min_binding_size: None,
         },
         bindings::VOLUME_SAMPLER => wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
-        bindings::BRICKS | bindings::PAGES => texture(Uint, D3),
+        bindings::BRICKS | bindings::PAGES | bindings::LABELS => texture(Uint, D3),
+        bindings::SEGMENTS => texture(Uint, D2),
         bindings::TABLES | bindings::NOISE_TILE | bindings::OPAQUE_MM | bindings::OPAQUE_COLOR => {
             texture(unfilterable, D2)
         }

@@ -32,6 +32,11 @@ pub fn standard(plan: &Plan) -> Result<Graph, Error> {
             "several objects are mixed along the ray by emission-absorption and back-to-front only",
         ));
     }
+    if plan.labelled().is_some() {
+        return Err(refused(
+            "the segments of a label volume are no graph; draw them without one",
+        ));
+    }
     let mut graph = Builder {
         plan,
         graph: Graph {

@@ -30,8 +30,8 @@ struct Values {
 #[derive(Default)]
 struct Choices {
     of_slots: Vec<(&'static Slot, Vec<Arc<Module>>)>,
-    /// What each layer's technique asks for.
-    of_layers: Vec<Vec<Values>>,
+    /// What each technique asks for.
+    of_techniques: Vec<Vec<Values>>,
 }
 
 impl Choices {
@@ -43,14 +43,15 @@ impl Choices {
                 values: Vec::new(),
             };
             own.technique(technique)?;
-            choices.of_layers.push(own.values);
+            if plan.labelled().is_some() {
+                let composite = technique.composite;
+                own.choose(composite.function(), composite.values())?;
+            }
+            choices.of_techniques.push(own.values);
         }
-        for name in TECHNIQUE_SLOTS
-            .into_iter()
-            .filter(|name| *name != "composite")
-        {
+        for name in TECHNIQUE_SLOTS {
             let Some(slot) = slot(name) else { continue };
-            let all = choices.of_layers.iter().flatten();
+            let all = choices.of_techniques.iter().flatten();
             let mut modules: Vec<_> = all
                 .filter(|values| values.module.slot() == slot)
                 .map(|values| values.module.clone())
@@ -63,13 +64,13 @@ impl Choices {
     }
 }
 
-/// What programs read of the technique of each layer; nothing if there is one, but for the tables.
+/// Chooses the functions of the techniques among which the samples of `plan` choose.
 ///
 /// # Errors
 /// None for a Plan that `resolve` made.
 pub(crate) fn choose(plan: &Plan, techniques: &mut [TechniqueTexels]) -> Result<(), Error> {
     let choices = Choices::of(plan)?;
-    for (texels, values) in techniques.iter_mut().zip(&choices.of_layers) {
+    for (texels, values) in techniques.iter_mut().zip(&choices.of_techniques) {
         for (slot, modules) in &choices.of_slots {
             let own = values.iter().find(|values| values.module.slot() == *slot);
             let numbers = own.map(Values::numbers).unwrap_or_default();
@@ -121,8 +122,10 @@ impl Functions {
             Choices::of(plan)?
         };
         functions.light(plan)?;
-        let composite = plan.technique().composite;
-        functions.choose(composite.function(), composite.values())?;
+        if plan.labelled().is_none() {
+            let composite = plan.technique().composite;
+            functions.choose(composite.function(), composite.values())?;
+        }
         functions.modules(plan);
         let modules = functions.values.iter().map(|values| values.module.clone());
         let selection = modules.fold(Selection::new(), Selection::with);

@@ -20,12 +20,14 @@
 mod bricks;
 mod frame;
 mod functions;
+mod segments;
 mod slicing;
 mod tables;
 
 pub use bricks::{occupancy, visible_bricks};
 pub use frame::{Frame, Object, rows, single};
 pub use functions::Functions;
+pub use segments::SegmentTable;
 pub use slicing::{
     Blend, BlendPart, Factor, MOST_SLICES, Operation, Order, Slices, Slicing, SlicingError,
 };
@@ -47,7 +49,9 @@ pub fn program(plan: &Plan) -> Result<Arc<Program>, Error> {
 
 /// On what it depends by which technique a sample of `plan` is drawn.
 pub fn techniques_of(plan: &Plan) -> Techniques {
-    if plan.has_one_technique() {
+    if plan.labelled().is_some() {
+        Techniques::OfSegments
+    } else if plan.has_one_technique() {
         Techniques::One
     } else {
         Techniques::OfObjects

@@ -2,6 +2,7 @@
 
 use crate::frame::Object;
 use crate::functions::choose;
+use crate::segments::SegmentTable;
 use strahl_scene::NoiseTile;
 use strahl_scene::plan::{Jitter, Plan};
 use strahl_shader::{Error, TABLE_ROW, TECHNIQUE_TEXELS, TechniqueTexels};
@@ -17,45 +18,49 @@ pub struct Table2d {
     pub texels: Vec<[f32; 4]>,
 }
 
-/// The transfer tables of all objects, whole rows of [`TABLE_ROW`] entries, each table from the start of a
-/// row on; tells `objects` where theirs begins. Before them come the techniques, if there are several.
+/// The transfer tables of all techniques, whole rows of [`TABLE_ROW`] entries, each table from the start of a
+/// row on; tells `objects` where theirs begins. Before them come the techniques, if there are several, and
+/// before these, if segments have them, where segments are found: `segments` says so.
 ///
 /// # Errors
 /// None for a Plan that `resolve` made.
-pub fn tables(plan: &Plan, objects: &mut [Object]) -> Result<Vec<[f32; 4]>, Error> {
+pub fn tables(
+    plan: &Plan,
+    objects: &mut [Object],
+    segments: Option<&SegmentTable>,
+) -> Result<Vec<[f32; 4]>, Error> {
     let row = TABLE_ROW as usize;
-    let mut entries = Vec::new();
-    if !plan.has_one_technique() {
-        let texels = objects.len() * TECHNIQUE_TEXELS as usize;
-        entries.resize(texels.next_multiple_of(row), [0.0; 4]);
+    let mut head = Vec::new();
+    if let Some(segments) = segments {
+        head.extend_from_slice(&segments.found_by);
+        head.resize(TECHNIQUE_TEXELS as usize, [0.0; 4]);
     }
-    for (technique, object) in plan.drawn_techniques().zip(&mut *objects) {
-        object.table_first = entries.len() as u32;
-        entries.extend_from_slice(technique.table.entries());
+    let number = plan.drawn_techniques().count();
+    if !plan.has_one_technique() {
+        let texels = head.len() + number * TECHNIQUE_TEXELS as usize;
+        head.resize(texels.next_multiple_of(row), [0.0; 4]);
+    }
+    let (mut entries, mut techniques) = (head, Vec::new());
+    for technique in plan.drawn_techniques() {
+        let (table, first) = (&technique.table, entries.len() as u32);
+        let steps_per_reference = plan.lattice.step_mm / f64::from(table.reference_mm());
+        techniques.push(TechniqueTexels::new(
+            first,
+            table.entries().len() as u32,
+            table.domain(),
+            steps_per_reference as f32,
+        ));
+        if let Some(object) = objects.get_mut(techniques.len() - 1) {
+            object.table_first = first;
+        }
+        entries.extend_from_slice(table.entries());
         entries.resize(entries.len().next_multiple_of(row), [0.0; 4]);
     }
     if !plan.has_one_technique() {
-        let texels = |object: &Object| {
-            let Object {
-                table_first,
-                table_entries,
-                table_domain,
-                steps_per_reference,
-                ..
-            } = *object;
-            TechniqueTexels::new(
-                table_first,
-                table_entries,
-                table_domain,
-                steps_per_reference,
-            )
-        };
-        let mut techniques: Vec<_> = objects.iter().map(texels).collect();
         choose(plan, &mut techniques)?;
-        for (to, technique) in entries
-            .chunks_mut(TECHNIQUE_TEXELS as usize)
-            .zip(&techniques)
-        {
+        let skipped = usize::from(segments.is_some());
+        let places = entries.chunks_mut(TECHNIQUE_TEXELS as usize).skip(skipped);
+        for (to, technique) in places.zip(&techniques) {
             to.copy_from_slice(technique.texels());
         }
     }

@@ -203,6 +203,7 @@ fn settle(
     plan: &mut Plan,
     layer: usize,
 ) -> Result<(), String> {
+    let number = plan.technique_number(layer);
     let Plan {
         fields,
         techniques,
@@ -212,7 +213,7 @@ fn settle(
         ..
     } = plan;
     let field = &mut fields[layers[layer].field];
-    let technique = &mut techniques[layers[layer].technique];
+    let technique = &mut techniques[number];
     let value = |name: &str| {
         let given = values.iter().find(|(given, _)| given == name);
         given.map_or_else(|| function.default_of(name), |(_, numbers)| numbers[0])

@@ -6,6 +6,7 @@
 
 use crate::transfer::TransferTable;
 use glam::{DAffine3, DVec3};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use strahl_shader::Module;
 pub use strahl_shader::for_each_function;
@@ -32,6 +33,9 @@ pub struct Plan {
     /// Which fields are drawn by which techniques, 1 to [`MOST_LAYERS`]; more than one only with composites
     /// that [mix](Composite::mixes_layers).
     pub layers: Vec<Layer>,
+    /// How runs of segments add up, where a layer has segments of a label volume:
+    /// [`EmissionAbsorption`](Composite::EmissionAbsorption). Without them nothing asks for it.
+    pub global_composite: Composite,
     /// Opaque surfaces among them, any number.
     pub meshes: Vec<PlanMesh>,
     /// Where along the ray samples lie.
@@ -112,13 +116,81 @@ pub struct Technique {
     pub composite: Composite,
 }
 
-/// A field in the picture, drawn by a technique.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// A field in the picture.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Layer {
     /// Which of the fields.
     pub field: usize,
-    /// Which of the techniques.
-    pub technique: usize,
+    /// What is drawn of it, and by which techniques.
+    pub segments: Segments,
+}
+
+/// What a layer draws of its field.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Segments {
+    /// All of it, by technique number `technique`.
+    Whole {
+        /// Which of the techniques.
+        technique: usize,
+    },
+    /// The segments of a label volume, each by a technique of its own. Such a layer is the only one, and its
+    /// techniques have any [local rule](Composite::is_local).
+    Labelled(Box<Labelled>),
+}
+
+/// The segments of a label volume. Beyond its extent is the segment with id 0.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Labelled {
+    /// Which of the label volumes.
+    pub labels: usize,
+    /// Where its voxels lie in the world, with all transforms.
+    pub grid: Grid,
+    /// Whether there are transforms: without, `grid` is the label volume's own.
+    pub is_moved: bool,
+    /// By which technique the segment with an id is drawn; `None` hides it.
+    pub techniques: BTreeMap<u32, Option<usize>>,
+    /// The same for all other ids.
+    pub others: Option<usize>,
+}
+
+/// Segments by the numbers that label volumes have in place of ids.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NumberedSegments {
+    /// By the number of a segment its technique, counted from 1; 0 hides it.
+    pub techniques: Vec<u32>,
+    /// The number of the segment beyond the extent of the label volume.
+    pub outside: u32,
+}
+
+impl Labelled {
+    /// The map from the voxels of `field` to those of the label volume: no map where both have one grid.
+    pub fn label_from_voxel(&self, field: &Field) -> DAffine3 {
+        if self.grid == field.grid {
+            DAffine3::IDENTITY
+        } else {
+            self.grid.voxel_from_world() * field.grid.world_from_voxel()
+        }
+    }
+
+    /// The techniques of segments that have numbers, where number n belongs to the id `ids[n]`.
+    pub fn numbered(&self, ids: &[u32]) -> NumberedSegments {
+        // Beyond the extent is id 0, whether a voxel has it or not.
+        let outside = ids.iter().position(|id| *id == 0).unwrap_or(ids.len());
+        let drawn = ids.iter().chain((outside == ids.len()).then_some(&0));
+        let technique = |id: &u32| {
+            self.technique_of(*id)
+                .map_or(0, |technique| technique as u32 + 1)
+        };
+        NumberedSegments {
+            techniques: drawn.map(technique).collect(),
+            outside: outside as u32,
+        }
+    }
+
+    /// The technique by which the segment with this id is drawn; `None` if it is hidden.
+    pub fn technique_of(&self, id: u32) -> Option<usize> {
+        self.techniques.get(&id).copied().unwrap_or(self.others)
+    }
 }
 
 impl Field {
@@ -156,36 +228,68 @@ impl Plan {
 
     /// [`technique`](Self::technique), to be changed.
     pub fn technique_mut(&mut self) -> &mut Technique {
-        &mut self.techniques[self.layers[0].technique]
+        let technique = self.technique_number(0);
+        &mut self.techniques[technique]
     }
 
-    /// The technique that draws layer number `layer`.
+    /// The technique that draws layer number `layer`; of one with segments the first of all.
     pub fn technique_of(&self, layer: usize) -> &Technique {
-        &self.techniques[self.layers[layer].technique]
+        &self.techniques[self.technique_number(layer)]
     }
 
-    /// The techniques of the layers, in their order.
+    pub(crate) fn technique_number(&self, layer: usize) -> usize {
+        match self.layers[layer].segments {
+            Segments::Whole { technique } => technique,
+            Segments::Labelled(_) => 0,
+        }
+    }
+
+    /// The segments of the layer, if it has those of a label volume.
+    pub fn labelled(&self) -> Option<&Labelled> {
+        match &self.layers[0].segments {
+            Segments::Whole { .. } => None,
+            Segments::Labelled(labelled) => Some(labelled),
+        }
+    }
+
+    /// Among what the samples of a ray choose: the techniques of the layers, in their order; of one with
+    /// segments all techniques.
     pub fn drawn_techniques(&self) -> impl Iterator<Item = &Technique> {
-        let technique = |layer: &Layer| &self.techniques[layer.technique];
-        self.layers.iter().map(technique)
+        let (of_segments, of_layers) = match self.labelled() {
+            Some(_) => (&self.techniques[..], &self.layers[..0]),
+            None => (&self.techniques[..0], &self.layers[..]),
+        };
+        let of_layers = (0..of_layers.len()).map(|layer| self.technique_of(layer));
+        of_segments.iter().chain(of_layers)
     }
 
-    /// Whether all layers are drawn in the same way, but for their tables.
+    /// How all that a ray meets adds up: the rule of the one technique, or that of runs of segments.
+    pub fn composite(&self) -> Composite {
+        match self.labelled() {
+            Some(_) => self.global_composite,
+            None => self.technique().composite,
+        }
+    }
+
+    /// Whether all layers are drawn in the same way, but for their tables, and none has segments.
     pub fn has_one_technique(&self) -> bool {
         let first = self.technique();
-        self.drawn_techniques().all(|technique| {
-            technique.classify == first.classify
-                && technique.gradient_input == first.gradient_input
-                && technique.shade == first.shade
-                && technique.composite == first.composite
-        })
+        self.labelled().is_none()
+            && self.drawn_techniques().all(|technique| {
+                technique.classify == first.classify
+                    && technique.gradient_input == first.gradient_input
+                    && technique.shade == first.shade
+                    && technique.composite == first.composite
+            })
     }
 
     /// Adds a layer that shows `field` by `technique`.
     pub fn add_layer(&mut self, field: Field, technique: Technique) {
         self.layers.push(Layer {
             field: self.fields.len(),
-            technique: self.techniques.len(),
+            segments: Segments::Whole {
+                technique: self.techniques.len(),
+            },
         });
         self.fields.push(field);
         self.techniques.push(technique);

@@ -3,9 +3,9 @@
 use crate::clip::{ClipPlaces, PlanClips};
 use crate::places::check_labels;
 use crate::plan::{
-    Classify, Compositing as PlanCompositing, Fetch, Field, GradientInput as PlanGradientInput,
-    Jitter as PlanJitter, Lattice, MOST_EDGE_PIXELS, MOST_FRAMES, MOST_LAYERS, Plan, PlanCamera,
-    PlanLight, PlanMesh, Shade, Technique,
+    Classify, Composite, Compositing as PlanCompositing, Fetch, Field,
+    GradientInput as PlanGradientInput, Jitter as PlanJitter, Lattice, MOST_EDGE_PIXELS,
+    MOST_FRAMES, MOST_LAYERS, Plan, PlanCamera, PlanLight, PlanMesh, Shade, Technique,
 };
 use crate::problem::Checker;
 use crate::settled::{FORMAT, Settled, SettledVolume};
@@ -120,6 +120,9 @@ fn plan(settled: &Settled, headers: &Headers, checker: &mut Checker) -> Option<P
         fields: Vec::new(),
         techniques: Vec::new(),
         layers: Vec::new(),
+        global_composite: Composite::EmissionAbsorption {
+            stop_at_transmittance: settled.composite.early_termination as f32,
+        },
         meshes,
         lattice,
         sampling,
@@ -151,7 +154,7 @@ fn plan(settled: &Settled, headers: &Headers, checker: &mut Checker) -> Option<P
     }
     function::apply(&settled.functions, &headers.modules, &mut plan, checker);
     for (layer, (volume, shade)) in settled.volumes.iter().zip(own_shades).enumerate() {
-        let number = plan.layers[layer].technique;
+        let number = plan.technique_number(layer);
         let technique = &mut plan.techniques[number];
         technique.shade = shade.unwrap_or(technique.shade);
         if let Some(object) = volume.place.object {

@@ -17,7 +17,7 @@ pub enum OtherData {
         "the plan needs {what} number {index}, of which {there} were handed over; hand over the data that the plan was resolved for"
     )]
     Missing {
-        /// `volume`, `mask` or `mesh`.
+        /// `volume`, `label volume`, `mask` or `mesh`.
         what: &'static str,
         /// Which one, from 0.
         index: usize,
@@ -33,6 +33,16 @@ pub enum OtherData {
         plan: [usize; 3],
         /// Dimensions of the volume.
         volume: [usize; 3],
+    },
+    /// The Plan was resolved for another label volume.
+    #[error(
+        "the plan is for labels in a grid of {plan:?} voxels, the label volume has {labels:?} (or lies elsewhere); make the plan with the grid of this label volume"
+    )]
+    LabelGrid {
+        /// Dimensions in the Plan.
+        plan: [usize; 3],
+        /// Dimensions of the label volume.
+        labels: [usize; 3],
     },
 }
 
@@ -64,6 +74,17 @@ impl Plan {
                 return Err(OtherData::Grid {
                     plan: field.grid.dims(),
                     volume: own.dims(),
+                });
+            }
+        }
+        if let Some(labelled) = self.labelled() {
+            OtherData::unless_there("label volume", labelled.labels, data.labels.len())?;
+            let own = data.labels[labelled.labels].grid();
+            let has_place = labelled.is_moved || labelled.grid == *own;
+            if labelled.grid.dims() != own.dims() || !has_place {
+                return Err(OtherData::LabelGrid {
+                    plan: labelled.grid.dims(),
+                    labels: own.dims(),
                 });
             }
         }

@@ -110,6 +110,11 @@ impl Function {
 }
 
 impl Composite {
+    /// Whether a run of samples of one segment can become one sample by it.
+    pub fn is_local(self) -> bool {
+        !matches!(self, Composite::BackToFront | Composite::Debug(_))
+    }
+
     /// Whether several layers can be drawn by it: it adds up looks of samples, not values.
     pub fn mixes_layers(self) -> bool {
         self.function().mixes_layers

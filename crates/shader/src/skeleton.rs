@@ -96,6 +96,9 @@ pub enum Techniques {
     One,
     /// Each object has its own: technique number n is that of object n.
     OfObjects,
+    /// Each segment of the one object has its own: technique number n + 1 is the Plan's n, number 0 says how
+    /// segments are found.
+    OfSegments,
 }
 
 /// Objects, and volumes, in one ray loop.
@@ -143,6 +146,11 @@ pub mod bindings {
     /// the lowest; with bit 31 set the page is in no atlas, as all its texels are one number, whose
     /// float bits are y.
     pub const PAGES: u32 = 12;
+    /// `texture_3d<u32>`: the number of each voxel's segment in the label volume.
+    pub const LABELS: u32 = 14;
+    /// `texture_2d<u32>`, rows of [`TABLE_ROW`](crate::TABLE_ROW) entries: by the number of a segment which
+    /// technique draws it, 0 if it is hidden.
+    pub const SEGMENTS: u32 = 15;
     /// `texture_2d<f32>`, rgba: what is behind the volumes, opaque geometry before the background. It
     /// covers the part that is drawn.
     pub const OPAQUE_COLOR: u32 = 13;
@@ -161,7 +169,9 @@ pub mod bindings {
 /// # Errors
 /// [`Error::Objects`]: none, or too many.
 pub fn ray_loop(what: &RayLoop) -> Result<Skeleton, Error> {
-    let march = if what.objects == 1 {
+    let march = if what.techniques == Techniques::OfSegments {
+        include_str!("../skeleton/segments.wgsl")
+    } else if what.objects == 1 {
         include_str!("../skeleton/one.wgsl")
     } else {
         include_str!("../skeleton/several.wgsl")
@@ -268,6 +278,10 @@ fn skeleton(what: &RayLoop, kind: &str, march: &str) -> Result<Skeleton, Error> 
             wgsl.push_str(&of_techniques(&loop_over_objects));
             wgsl.push_str(include_str!("../skeleton/technique.wgsl"));
             wgsl.push_str(include_str!("../skeleton/technique_of_object.wgsl"));
+        }
+        Techniques::OfSegments => {
+            wgsl.push_str(&of_techniques(&loop_over_objects));
+            wgsl.push_str(include_str!("../skeleton/technique.wgsl"));
         }
     }
     let look = if march.contains("composite_of_look(") {

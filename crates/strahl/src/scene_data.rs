@@ -210,6 +210,7 @@ impl SceneData {
     pub fn datasets(&self) -> Datasets {
         Datasets {
             volumes: self.volumes.clone(),
+            labels: Vec::new(),
             masks: self.masks.clone(),
             meshes: self.meshes.clone(),
         }

@@ -167,8 +167,8 @@ impl SceneGraph {
                     )));
                 }
                 match plan.layers.get(object) {
-                    Some(layer) => Ok(pre_integrated(
-                        &plan.techniques[layer.technique].table,
+                    Some(_) => Ok(pre_integrated(
+                        &plan.technique_of(object).table,
                         plan.lattice.step_mm,
                         *edge,
                     )),

@@ -1,6 +1,6 @@
 //! The data of one picture.
 
-use crate::{Mesh, Rescale, Volume};
+use crate::{LabelVolume, Mesh, Rescale, Volume};
 
 /// The data that one picture is drawn from, in the order in which a Plan counts it. Volumes and meshes share their
 /// content with those that they were cloned from.
@@ -18,6 +18,8 @@ pub struct Datasets {
     pub volumes: Vec<Volume>,
     /// The volumes that clips take as masks.
     pub masks: Vec<Volume>,
+    /// The label volumes whose segments are drawn by techniques of their own.
+    pub labels: Vec<LabelVolume>,
     /// The opaque surfaces.
     pub meshes: Vec<Mesh>,
 }

@@ -1,7 +1,8 @@
 //! Label volumes: which object a voxel belongs to, with the objects' names and colours.
 
-use crate::{Error, Grid, Metadata, Rescale, Samples, Volume};
+use crate::{ContentId, Error, Grid, Metadata, Rescale, Samples, Volume};
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 /// One object of a label volume.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,12 +24,13 @@ pub enum LabelIds {
     U32(Vec<u32>),
 }
 
-/// A grid of object ids.
+/// A grid of object ids. Clones share them.
 #[derive(Clone, Debug)]
 pub struct LabelVolume {
     grid: Grid,
-    ids: LabelIds,
+    ids: Arc<LabelIds>,
     labels: Vec<Label>,
+    content_id: ContentId,
 }
 
 impl LabelVolume {
@@ -60,12 +62,22 @@ impl LabelVolume {
             Samples::U32(s) => LabelIds::U32(s),
             other => narrowest(&other)?,
         };
-        Ok(LabelVolume { grid, ids, labels })
+        Ok(LabelVolume {
+            grid,
+            ids: Arc::new(ids),
+            labels,
+            content_id: ContentId::unique(),
+        })
     }
 
     /// Where the voxels lie.
     pub fn grid(&self) -> &Grid {
         &self.grid
+    }
+
+    /// Which ids these are, wherever they go.
+    pub fn content_id(&self) -> ContentId {
+        self.content_id
     }
 
     /// The object ids.
@@ -84,7 +96,7 @@ impl LabelVolume {
     /// If the voxel is outside the grid.
     pub fn id(&self, x: usize, y: usize, z: usize) -> u32 {
         let index = self.grid.index(x, y, z);
-        match &self.ids {
+        match &*self.ids {
             LabelIds::U8(s) => s[index].into(),
             LabelIds::U16(s) => s[index].into(),
             LabelIds::U32(s) => s[index],
@@ -93,7 +105,7 @@ impl LabelVolume {
 
     /// The ids that voxels have or names belong to, ascending.
     pub fn known_ids(&self) -> Vec<u32> {
-        let mut known = match &self.ids {
+        let mut known = match &*self.ids {
             LabelIds::U8(s) => different(s),
             LabelIds::U16(s) => different(s),
             LabelIds::U32(s) => different(s),
@@ -105,7 +117,7 @@ impl LabelVolume {
     /// A mask: 1 in the voxels with one of these `ids`, 0 elsewhere.
     pub fn mask(&self, ids: &[u32]) -> Volume {
         let ids: BTreeSet<u32> = ids.iter().copied().collect();
-        let samples = match &self.ids {
+        let samples = match &*self.ids {
             LabelIds::U8(s) => is_in(s, &ids),
             LabelIds::U16(s) => is_in(s, &ids),
             LabelIds::U32(s) => is_in(s, &ids),

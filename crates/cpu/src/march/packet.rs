@@ -2,6 +2,7 @@
 
 use super::counts::Counts;
 use super::look_back::LookBack;
+use super::runs::Runs;
 use crate::lanes::{F32s, LANES, Mask, Vec3s, each, lanes, to_rows};
 use crate::levels::{Level, inlined, vectorized};
 use crate::library::composite::{Crossing, Rule, Sample, State, with_rule};
@@ -35,6 +36,8 @@ pub(super) struct Packet<'s, S: Level> {
     /// See [`StridesAlong::last_alpha`](crate::strides::StridesAlong::last_alpha).
     pub(super) last_alpha: F32s<S>,
     pub(super) look_back: LookBack<S>,
+    /// Where the Plan has segments.
+    pub(super) runs: Runs<S>,
     pub(super) sampled: F32s<S>,
     pub(super) visible: F32s<S>,
     pub(super) skipped: F32s<S>,
@@ -54,6 +57,7 @@ impl<'s, S: Level> Packet<'s, S> {
             end: F32s::splat(NEVER),
             last_alpha: F32s::zero(),
             look_back: LookBack::none(),
+            runs: Runs::none(),
             sampled: F32s::zero(),
             visible: F32s::zero(),
             skipped: F32s::zero(),
@@ -127,6 +131,14 @@ impl<'s, S: Level> Packet<'s, S> {
             gradient: [gx, gy, gz],
             known,
         } = &mut self.look_back;
+        let Runs {
+            segment,
+            technique,
+            colour: [seen_r, seen_g, seen_b],
+            alpha: seen_alpha,
+            place: hit_place,
+            has_place,
+        } = &mut self.runs;
         [
             &mut self.k,
             r,
@@ -148,6 +160,14 @@ impl<'s, S: Level> Packet<'s, S> {
             gy,
             gz,
             known,
+            segment,
+            technique,
+            seen_r,
+            seen_g,
+            seen_b,
+            seen_alpha,
+            hit_place,
+            has_place,
             &mut self.sampled,
             &mut self.visible,
             &mut self.skipped,
@@ -284,17 +304,17 @@ impl<'s, S: Level> Packet<'s, S> {
         let sample = Sample {
             crossing: Crossing {
                 scenery: self.scenery,
+                object,
                 packet: self.rays,
                 to_eye: &self.to_eye,
             },
-            object,
             k,
             stride,
             position,
             value,
             sampled,
         };
-        with_rule!(self.scenery.composite, rule => rule.add(&mut self.state, &sample))
+        with_rule!(object.composite, rule => rule.add(&mut self.state, &sample))
     }
 
     /// Colour, and opacity of one step, of a value of `object`.
@@ -332,15 +352,24 @@ impl<'s, S: Level> Packet<'s, S> {
 
     #[inline(always)]
     fn finish_here(&mut self) -> Seen {
+        let to_eye = self.to_eye;
         let crossing = Crossing {
             scenery: self.scenery,
+            object: &self.scenery.objects[0],
             packet: self.rays,
-            to_eye: &self.to_eye,
+            to_eye: &to_eye,
         };
-        let has_depth = with_rule!(self.scenery.composite, rule => {
-            rule.finish(&mut self.state, &crossing);
-            rule.has_depth()
-        });
+        let hit = if self.scenery.segments.is_some() {
+            self.end_last_runs()
+        } else {
+            with_rule!(self.scenery.composite, rule => {
+                rule.finish(&mut self.state, &crossing);
+                match rule.has_depth() {
+                    true => F32s::zero().lt(self.state.alpha),
+                    false => Mask::none(),
+                }
+            })
+        };
         let State { colour, alpha, .. } = self.state;
         let behind = F32s::splat(1.0) - alpha;
         let over = inlined(
@@ -351,8 +380,9 @@ impl<'s, S: Level> Packet<'s, S> {
         let a = over(alpha, 3);
         let depth_mm = if self.scenery.plan.with_depth {
             let distance = crossing.distance_mm(self.state.place);
+            let is_hit = hit.select(F32s::splat(1.0), F32s::zero());
             lanes(|i| {
-                if has_depth && alpha.lane(i) > 0.0 {
+                if is_hit.lane(i) > 0.0 {
                     distance.lane(i)
                 } else {
                     self.rays.opaque_mm[i] as f32

@@ -22,7 +22,7 @@ impl Rule for EmissionAbsorption {
     fn add<S: Level>(&self, state: &mut State<S>, sample: &Sample<S>) -> Mask<S> {
         let look = sample.look(&mut state.last_normal);
         let Surface { colour, opacity } = look.surface;
-        let opacity = sample.object.of_stride(opacity, sample.stride);
+        let opacity = sample.crossing.object.of_stride(opacity, sample.stride);
         add(state, look.visible, colour, opacity);
         look.visible
     }

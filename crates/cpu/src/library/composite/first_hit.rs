@@ -47,7 +47,7 @@ impl FirstHit {
 
     #[inline(always)]
     fn hit_here<S: Level>(&self, state: &mut State<S>, rays: &Crossing<S>, hit: Mask<S>) {
-        let (object, line) = (rays.object(), rays.line());
+        let (object, line) = (rays.object, rays.line());
         let (k, jitter) = (state.place, rays.packet.jitter);
         let threshold = F32s::splat(self.threshold);
         let reached = inlined(

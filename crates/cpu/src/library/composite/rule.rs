@@ -49,19 +49,15 @@ pub trait Rule: Copy {
 #[derive(Clone, Copy)]
 pub struct Crossing<'s, S: Level> {
     pub scenery: &'s Scenery<'s, S>,
+    /// What is drawn of them.
+    pub object: &'s Object<'s, S>,
     pub packet: &'s RayPacket<S>,
     /// Unit vectors.
     pub to_eye: &'s Vec3s<S>,
 }
 
 impl<'s, S: Level> Crossing<'s, S> {
-    /// The volume of rules that belong to one.
-    #[inline(always)]
-    pub fn object(&self) -> &'s Object<'s, S> {
-        &self.scenery.objects[0]
-    }
-
-    /// The lattice in that volume.
+    /// The lattice in the volume of rules that belong to one.
     #[inline(always)]
     pub fn line(&self) -> &'s Line<S> {
         &self.packet.lines[0]
@@ -83,7 +79,7 @@ impl<'s, S: Level> Crossing<'s, S> {
         shaded: Mask<S>,
         last_normal: &mut Vec3s<S>,
     ) -> Surface<S> {
-        self.object()
+        self.object
             .shade(surface, position, *self.to_eye, shaded, last_normal)
     }
 
@@ -94,8 +90,8 @@ impl<'s, S: Level> Crossing<'s, S> {
             #[inline(always)]
             || {
                 let position = self.line().position(state.place);
-                let mut surface = self.object().classify(value, position, found);
-                if !self.object().shading.is_unlit() {
+                let mut surface = self.object.classify(value, position, found);
+                if !self.object.shading.is_unlit() {
                     surface = self.shade(surface, position, found, &mut state.last_normal);
                 }
                 let alpha = found.select(surface.opacity, F32s::zero());
@@ -108,9 +104,8 @@ impl<'s, S: Level> Crossing<'s, S> {
 
 /// A sample of each ray.
 pub struct Sample<'s, S: Level> {
+    /// Of the volume that it was taken of.
     pub crossing: Crossing<'s, S>,
-    /// The volume that it was taken of.
-    pub object: &'s Object<'s, S>,
     /// Number of the lattice point.
     pub k: F32s<S>,
     /// For how many lattice points it stands.
@@ -132,7 +127,7 @@ impl<S: Level> Sample<'_, S> {
     /// Colour, and opacity of one step.
     #[inline(always)]
     pub fn look(&self, last_normal: &mut Vec3s<S>) -> Look<S> {
-        self.object.look(
+        self.crossing.object.look(
             self.value,
             self.position,
             *self.crossing.to_eye,
@@ -144,13 +139,14 @@ impl<S: Level> Sample<'_, S> {
     /// The gradient where `asked`; anything elsewhere.
     #[inline(always)]
     pub fn gradient(&self, asked: Mask<S>) -> Vec3s<S> {
-        self.object.gradient(self.position, asked)
+        self.crossing.object.gradient(self.position, asked)
     }
 
     /// Where it is classified as anything.
     #[inline(always)]
     pub fn shown(&self) -> Mask<S> {
         let surface = self
+            .crossing
             .object
             .classify(self.value, self.position, self.sampled);
         self.sampled & F32s::zero().lt(surface.opacity)
@@ -159,7 +155,7 @@ impl<S: Level> Sample<'_, S> {
     /// The position as a colour: 0 to 1 over the extent along each axis.
     #[inline(always)]
     pub fn position_colour(&self) -> Vec3s<S> {
-        let last = self.object.values.shape().last;
+        let last = self.crossing.object.values.shape().last;
         let (half, one) = (F32s::splat(0.5), F32s::splat(1.0));
         each!([0, 1, 2], |axis| {
             let share = (self.position[axis] + half).over(F32s::splat(last[axis] + 1.0));

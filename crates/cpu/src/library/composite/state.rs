@@ -35,6 +35,20 @@ impl<S: Level> State<S> {
         }
     }
 
+    /// `yes` where `mask` says so, `no` elsewhere.
+    #[inline(always)]
+    pub fn select(mask: Mask<S>, yes: &State<S>, no: &State<S>) -> State<S> {
+        State {
+            colour: mask.select3(yes.colour, no.colour),
+            alpha: mask.select(yes.alpha, no.alpha),
+            value: mask.select(yes.value, no.value),
+            place: mask.select(yes.place, no.place),
+            lost: mask.select(yes.lost, no.lost),
+            number: mask.select(yes.number, no.number),
+            last_normal: mask.select3(yes.last_normal, no.last_normal),
+        }
+    }
+
     /// Keeps `value` at lattice coordinate `place` where `better`, and counts the `sampled`.
     #[inline(always)]
     pub fn keep(&mut self, better: Mask<S>, sampled: Mask<S>, value: F32s<S>, place: F32s<S>) {

@@ -1,0 +1,347 @@
+//! Segments of label volumes, each drawn by a technique of its own.
+
+use crate::gpu::device;
+use crate::random::{Random, seeds};
+use crate::simple::{blinn_phong, centred, cut_box, of_samples, parallel, plan, white};
+use crate::techniques::{any_technique, light, linked};
+use crate::variants::{any_variant, blobs, distance, draw, ramp};
+use glam::{DAffine3, DMat3, DVec3};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use strahl_conformance::agreement::agreement;
+use strahl_evaluate::Evaluator;
+use strahl_scene::plan::*;
+use strahl_shader::Linker;
+use strahl_volume::{Control, Datasets, Grid, LabelVolume, Metadata, Rescale, Samples, Volume};
+
+/// A label volume with the id of each voxel by its place in the world.
+fn labels(grid: Grid, id: impl Fn(DVec3) -> u32) -> LabelVolume {
+    let [nx, ny, nz] = grid.dims();
+    let place = |i: usize| [i % nx, i / nx % ny, i / nx / ny].map(|n| n as f64);
+    let place = |i| grid.world_from_voxel().transform_point3(place(i).into());
+    let ids = (0..nx * ny * nz).map(|i| id(place(i))).collect();
+    let ids = Samples::U32(ids);
+    let volume = Volume::new(grid, ids, Rescale::IDENTITY, Metadata::default()).unwrap();
+    LabelVolume::from_volume(volume, Vec::new()).unwrap()
+}
+
+fn segmented(plan: &mut Plan, labels: &LabelVolume, techniques: &[(u32, Option<usize>)]) {
+    plan.layers[0].segments = Segments::Labelled(Box::new(Labelled {
+        labels: 0,
+        grid: *labels.grid(),
+        is_moved: false,
+        techniques: techniques.iter().copied().collect(),
+        others: Some(0),
+    }));
+}
+
+pub fn data(volume: &Volume, labels: &LabelVolume) -> Datasets {
+    Datasets {
+        labels: vec![labels.clone()],
+        ..volume.into()
+    }
+}
+
+fn ball() -> Volume {
+    blobs(
+        centred(
+            [24, 22, 20],
+            DMat3::from_diagonal(DVec3::new(1.0, 0.8, 1.2)),
+        ),
+        &[DVec3::new(-2.0, 1.0, 0.0), DVec3::new(4.0, -1.0, 2.0)],
+        6.0,
+    )
+}
+
+/// The ball seen askew, without an early end.
+fn view(volume: &Volume) -> Plan {
+    let camera = parallel(DVec3::new(0.3, 1.0, -0.4), 60.0, 12.0);
+    let mut plan = plan(volume, camera, ramp());
+    (plan.width, plan.height) = (31, 27);
+    plan.lights = light();
+    plan
+}
+
+#[test]
+fn one_segment_is_the_picture_without_labels() {
+    let mut rules = BTreeMap::new();
+    for seed in seeds(60) {
+        let mut random = Random::new(seed ^ 0x1AB5);
+        let volume = random.volume();
+        let range = volume.statistics().range;
+        if range.iter().any(|end| end.abs() > 1e15) {
+            continue;
+        }
+        let plain = any_variant(&mut random, &volume);
+        let rule = plain.technique().composite;
+        if !rule.is_local() {
+            continue;
+        }
+        let mut plan = plain.clone();
+        plan.global_composite = Composite::EmissionAbsorption {
+            stop_at_transmittance: 0.0,
+        };
+        let one = labels(*volume.grid(), |_| 7);
+        segmented(&mut plan, &one, &[]);
+        let renderer = strahl_cpu::Renderer::new(data(&volume, &one));
+        let drawn = |plan| renderer.render(plan, &Default::default(), &Control::NONE);
+        let (Ok(plain), Ok(of_segments)) = (drawn(&plain), drawn(&plan)) else {
+            continue; // Coefficients of what is not finite.
+        };
+        let same = plain.image.pixels() == of_segments.image.pixels();
+        assert!(same, "seed {seed}: {rule:?} {plan:#?}");
+        *rules
+            .entry(format!("{rule:?}").split(' ').next().unwrap().to_owned())
+            .or_insert(0) += 1;
+    }
+    assert!(rules.len() >= 5, "{rules:?}");
+}
+
+#[test]
+fn segments_by_one_technique_add_up_to_the_picture_without_labels() {
+    let volume = ball();
+    let plain = view(&volume);
+    let cells = labels(*volume.grid(), |place| {
+        let cell = (place / 3.0).floor().as_ivec3();
+        (cell.x & 1) as u32 + 2 * (cell.y & 1) as u32 + 4 * (cell.z & 1) as u32
+    });
+    let mut plan = plain.clone();
+    segmented(&mut plan, &cells, &[]);
+    let [plain, of_segments] = [&plain, &plan].map(|plan| draw(data(&volume, &cells), plan));
+    assert!(plain.stats.counts.as_ref().unwrap().samples_visible > 1000);
+    let off = distance(&plain, &of_segments);
+    assert!(off < 1e-5, "{off}");
+}
+
+/// Two techniques, and ids 1 and 2 on either side of a plane halfway between voxels.
+fn halves() -> (Volume, LabelVolume, Plan) {
+    let volume = ball();
+    let mut plan = view(&volume);
+    let second = Technique {
+        table: white(0.3, 2.0),
+        shade: blinn_phong(0.2, 0.7, 0.2, 9.0),
+        ..plan.technique().clone()
+    };
+    plan.techniques.push(second);
+    let sides = labels(*volume.grid(), |place| if place.x < 1.0 { 1 } else { 2 });
+    segmented(&mut plan, &sides, &[(1, Some(0)), (2, Some(1))]);
+    (volume, sides, plan)
+}
+
+/// Keeps what lies on the side of id 1, or of id 2.
+fn side(keep_inside: bool) -> SampleClip {
+    let half = DAffine3::from_scale_rotation_translation(
+        DVec3::splat(200.0),
+        glam::DQuat::IDENTITY,
+        DVec3::new(-99.0, 0.0, 0.0),
+    );
+    cut_box(half.inverse(), keep_inside)
+}
+
+#[test]
+fn segments_are_layers_that_are_clipped_apart() {
+    let (volume, sides, plan) = halves();
+    let mut layers = plan.clone();
+    layers.layers = vec![
+        Layer {
+            field: 0,
+            segments: Segments::Whole { technique: 0 },
+        },
+        Layer {
+            field: 0,
+            segments: Segments::Whole { technique: 1 },
+        },
+    ];
+    layers.sample_clips = vec![
+        SampleClip {
+            layers: 0b01,
+            ..side(true)
+        },
+        SampleClip {
+            layers: 0b10,
+            ..side(false)
+        },
+    ];
+    let [of_layers, of_segments] = [&layers, &plan].map(|plan| draw(data(&volume, &sides), plan));
+    assert!(of_layers.stats.counts.as_ref().unwrap().samples_visible > 1000);
+    let off = distance(&of_layers, &of_segments);
+    assert!(off < 1e-5, "{off}");
+}
+
+#[test]
+fn a_hidden_segment_is_a_clip() {
+    let (volume, sides, mut plan) = halves();
+    let mut clipped = plan.clone();
+    clipped.layers[0].segments = Segments::Whole { technique: 0 };
+    clipped.sample_clips = vec![side(true)];
+    segmented(&mut plan, &sides, &[(1, Some(0)), (2, None)]);
+    let [clipped, hidden] = [&clipped, &plan].map(|plan| draw(data(&volume, &sides), plan));
+    assert!(clipped.stats.counts.as_ref().unwrap().samples_visible > 1000);
+    assert!(clipped.image.pixels() == hidden.image.pixels());
+}
+
+#[test]
+fn which_numbers_ids_are_changes_nothing() {
+    let (volume, sides, mut plan) = halves();
+    let first = draw(data(&volume, &sides), &plan);
+    let other = |id| if id == 1 { u32::MAX } else { 40_000 };
+    let renamed = labels(*sides.grid(), |place| {
+        other(if place.x < 1.0 { 1 } else { 2 })
+    });
+    segmented(
+        &mut plan,
+        &renamed,
+        &[(other(1), Some(0)), (other(2), Some(1))],
+    );
+    let second = draw(data(&volume, &renamed), &plan);
+    assert!(first.image.pixels() == second.image.pixels());
+}
+
+/// A volume of one value; a run of it by a projection has the opacity of its table, however long it is.
+#[test]
+fn runs_are_told_apart_by_segment_and_not_by_technique() {
+    let grid = centred([10; 3], DMat3::IDENTITY);
+    let volume = of_samples(grid, Samples::U8(vec![5; 1000]));
+    let camera = parallel(DVec3::Z, 30.0, 3.0);
+    let mut plan = plan(&volume, camera, white(0.5, 1.0));
+    plan.technique_mut().composite = Composite::Mip;
+    for (number, id) in [
+        (1, (|_| 1) as fn(DVec3) -> u32),
+        (2, |place| 1 + u32::from(place.z < 0.0)),
+        // The slab in the middle is hidden, and ends a run of the id on both sides.
+        (2, |place| 3 * u32::from(place.z.abs() < 2.0)),
+        (5, |place| (place.z + 5.0) as u32 / 2),
+    ] {
+        let of_id = labels(grid, id);
+        segmented(
+            &mut plan,
+            &of_id,
+            &if number == 5 { vec![] } else { vec![(3, None)] },
+        );
+        let drawn = draw(data(&volume, &of_id), &plan);
+        let found = drawn.image.pixels()[0][3];
+        let expected = 1.0 - 0.5f32.powi(number);
+        assert!((found - expected).abs() < 1e-6, "{number} runs: {found}");
+    }
+}
+
+/// A Plan of segments by techniques of any kind, whose labels lie on another grid half of the time.
+pub fn any_segments(random: &mut Random) -> (Volume, LabelVolume, Plan) {
+    let volume = ball();
+    let range = volume.statistics().range.map(|v| v as f32);
+    let mut plan = view(&volume);
+    let of_opacity = random.once_in(2);
+    plan.techniques = (0..3)
+        .map(|_| Technique {
+            composite: random.pick(&[
+                Composite::EmissionAbsorption {
+                    stop_at_transmittance: 1.0 / 256.0,
+                },
+                Composite::EmissionAbsorption {
+                    stop_at_transmittance: 0.0,
+                },
+                Composite::Mip,
+                Composite::Minip,
+                Composite::Average,
+                Composite::Gmip { white_per_mm: 3.0 },
+                Composite::Mida {
+                    low: range[0],
+                    high: range[1],
+                    blend: -0.3,
+                    stop_at_transmittance: 1.0 / 256.0,
+                },
+                Composite::FirstHit {
+                    threshold: 0.4 * range[0] + 0.6 * range[1],
+                },
+            ]),
+            ..any_technique(random, range, of_opacity)
+        })
+        .collect();
+    for technique in &mut plan.techniques {
+        // The opacity of a table of one color has no gradient, and what rounding makes of that differs.
+        if technique.table.entries().len() == 2 {
+            technique.gradient_input = GradientInput::Value;
+        }
+        // Such a projection has no surface.
+        let has_none = [Composite::Minip, Composite::Average];
+        if has_none.contains(&technique.composite) {
+            technique.shade = Shade::Unlit;
+        }
+    }
+    let grid = match random.once_in(2) {
+        true => *volume.grid(),
+        false => centred(
+            [9, 12, 10],
+            random.rotation() * DMat3::from_diagonal(DVec3::splat(2.1)),
+        ),
+    };
+    let normal = random.direction();
+    let labels = labels(grid, |place| {
+        let far = u32::from(place.dot(normal) > 1.0) + 2 * u32::from(place.length() > 5.0);
+        far * 300
+    });
+    segmented(
+        &mut plan,
+        &labels,
+        &[(0, Some(2)), (300, Some(1)), (600, None)],
+    );
+    plan.global_composite = Composite::EmissionAbsorption {
+        stop_at_transmittance: 1.0 / 256.0,
+    };
+    plan.with_depth = true;
+    (volume, labels, plan)
+}
+
+#[test]
+fn all_renderers_draw_segments_by_their_techniques() {
+    for seed in seeds(32) {
+        let mut random = Random::new(seed ^ 0x5E65);
+        let (volume, labels, plan) = any_segments(&mut random);
+        let data = data(&volume, &labels);
+        let cpu = draw(data.clone(), &plan);
+        let here = Evaluator::new(data.clone()).render(&plan, &Control::NONE);
+        let here = here.unwrap_or_else(|error| panic!("seed {seed}: {error}"));
+        let what = format!("seed {seed}: {:#?}", plan.techniques);
+        // A lattice point within rounding of the border of two segments is in either.
+        let [first, second] = [&cpu, &here].map(|drawn| {
+            let depth_mm = drawn.depth_mm.as_deref().unwrap();
+            let pixels = drawn.image.pixels().iter().zip(depth_mm);
+            pixels.map(|([r, g, b, a], mm)| [*r, *g, *b, *a, mm.min(1e6)])
+        });
+        let differ = |(a, b): &([f32; 5], [f32; 5])| (0..5).any(|i| (a[i] - b[i]).abs() > 1e-3);
+        let differing = first.zip(second).filter(differ).count();
+        assert!(differing <= 2, "{differing} pixels {what}");
+        let Some(device) = device() else { continue };
+        let mut renderer = strahl_gpu::Renderer::new(device, data.clone());
+        let gpu = renderer.render(&plan, &Control::NONE).unwrap();
+        let apart = agreement(&cpu.image, &gpu.image);
+        assert!(apart.psnr_db >= 45.0, "on the GPU: {apart:?} {what}");
+    }
+}
+
+#[test]
+fn which_technique_a_segment_has_is_data() {
+    let (_, sides, mut plan) = halves();
+    plan.techniques[1].composite = Composite::Mip;
+    let mut linker = Linker::new();
+    let program = linked(&mut linker, &plan);
+    let mut same = |what: &str, plan: &Plan| {
+        assert!(Arc::ptr_eq(&program, &linked(&mut linker, plan)), "{what}");
+    };
+    for hidden in [1, 2] {
+        let mut plan = plan.clone();
+        segmented(&mut plan, &sides, &[(hidden, None), (3 - hidden, Some(1))]);
+        same("a hidden segment", &plan);
+    }
+    segmented(&mut plan, &sides, &[(1, Some(1)), (2, Some(0))]);
+    same("other techniques", &plan);
+    plan.techniques[0].table = white(0.9, 1.0);
+    same("another table", &plan);
+    plan.techniques[1].shade = blinn_phong(0.3, 0.5, 0.1, 2.0);
+    same("other numbers", &plan);
+    plan.techniques.push(plan.techniques[1].clone());
+    segmented(&mut plan, &sides, &[(9, Some(2))]);
+    same("one more technique of the same functions", &plan);
+    plan.techniques[2].composite = Composite::Minip;
+    assert!(!Arc::ptr_eq(&program, &linked(&mut linker, &plan)));
+}

@@ -1,0 +1,169 @@
+//! Front to back through the segments of a label volume: the samples of one segment in a row are a run, which
+//! the local rule of its technique makes into one sample; runs add up by emission and absorption.
+
+use super::packet::Packet;
+use crate::lanes::{F32s, Mask, Vec3s, lanes};
+use crate::levels::{Level, vectorized};
+use crate::library::composite::{Crossing, Rule, State, with_rule};
+use crate::scenery::Object;
+use crate::segment_numbers::SegmentNumbers;
+
+impl<S: Level> Packet<'_, S> {
+    /// Through the segments of one volume. [`end_last_runs`](Packet::end_last_runs) completes what is seen.
+    #[inline(never)]
+    pub(super) fn through_labels(&mut self, segments: &SegmentNumbers) {
+        vectorized::<S, _>(
+            #[inline(always)]
+            || self.through_labels_here(segments),
+        );
+    }
+
+    #[inline(always)]
+    fn through_labels_here(&mut self, segments: &SegmentNumbers) {
+        let (rays, line) = (self.rays, &self.rays.lines[0]);
+        let one = F32s::splat(1.0);
+        let end = self.end.min(rays.count);
+        let mut live = self.begin.le(self.k) & self.k.lt(end) & !self.runs.is_opaque(segments);
+        while live.any() {
+            let k = self.k;
+            let position = line.position(k + rays.jitter);
+            let here = segments.at(position);
+            let changed = live & !here.eq(self.runs.segment);
+            if changed.any() {
+                live = live & !self.change_segments(segments, here, changed);
+            }
+            let shown = live & F32s::zero().lt(self.runs.technique);
+            let kept = self.scenery.objects[0].clips.keep(position, shown);
+            if kept.any() {
+                live = live & !self.sample_segments(segments, k, position, kept);
+            }
+            self.k = live.select(k + one, k);
+            live = live & self.k.lt(end);
+        }
+    }
+
+    /// Ends the runs of the rays `changed`, which are in the segments `here`, and begins new ones; says which of the
+    /// rays need no more.
+    #[inline(always)]
+    fn change_segments(
+        &mut self,
+        segments: &SegmentNumbers,
+        here: F32s<S>,
+        changed: Mask<S>,
+    ) -> Mask<S> {
+        self.end_runs(changed);
+        self.runs.segment = changed.select(here, self.runs.segment);
+        let segment = self.runs.segment.to_array();
+        let technique = F32s::from_array(lanes(|i| segments.technique(segment[i])));
+        let ended = changed & self.runs.is_opaque(segments);
+        let technique = ended.select(F32s::zero(), technique);
+        self.runs.technique = changed.select(technique, self.runs.technique);
+        self.begin_runs(changed & !ended);
+        ended
+    }
+
+    /// Adds lattice point `k` of the rays `kept` to their runs; says which of the rays need no more.
+    #[inline(always)]
+    fn sample_segments(
+        &mut self,
+        segments: &SegmentNumbers,
+        k: F32s<S>,
+        position: Vec3s<S>,
+        kept: Mask<S>,
+    ) -> Mask<S> {
+        let (zero, one) = (F32s::zero(), F32s::splat(1.0));
+        let objects = &self.scenery.objects;
+        let value = self.value(&objects[0], position, kept);
+        let sampled = kept & value.is_finite();
+        let mut ended = Mask::none();
+        for (i, object) in objects.iter().enumerate() {
+            let own = sampled & self.runs.technique.eq(F32s::splat(1.0 + i as f32));
+            if !own.any() {
+                continue;
+            }
+            let visible = self.add(object, k, position, own, value, one);
+            self.visible += visible.select(one, zero);
+            let done = own & with_rule!(object.composite, rule => rule.done(&self.state));
+            if done.any() {
+                self.end_runs_of(object, done);
+                self.runs.technique = done.select(zero, self.runs.technique);
+                ended = ended | (done & self.runs.is_opaque(segments));
+            }
+        }
+        ended
+    }
+
+    /// A new run for the rays `of`.
+    #[inline(always)]
+    fn begin_runs(&mut self, of: Mask<S>) {
+        let last_normal = self.state.last_normal;
+        for (i, object) in self.scenery.objects.iter().enumerate() {
+            let own = of & self.runs.technique.eq(F32s::splat(1.0 + i as f32));
+            if own.any() {
+                let start = with_rule!(object.composite, rule => rule.start());
+                self.state = State::select(own, &start, &self.state);
+            }
+        }
+        self.state.last_normal = last_normal;
+    }
+
+    /// Adds the last runs of all rays to what they have seen, which becomes their state; says where the first hit of a
+    /// run lies at their place.
+    #[inline(always)]
+    pub(super) fn end_last_runs(&mut self) -> Mask<S> {
+        self.end_runs(!Mask::none());
+        self.state.colour = self.runs.colour;
+        self.state.alpha = self.runs.alpha;
+        self.state.place = self.runs.place;
+        F32s::zero().lt(self.runs.has_place)
+    }
+
+    /// Adds the runs of the rays `of` to what they have seen.
+    #[inline(always)]
+    fn end_runs(&mut self, of: Mask<S>) {
+        for (i, object) in self.scenery.objects.iter().enumerate() {
+            let own = of & self.runs.technique.eq(F32s::splat(1.0 + i as f32));
+            if own.any() {
+                self.end_runs_of(object, own);
+            }
+        }
+    }
+
+    /// The same for runs that `object` has drawn.
+    #[inline(never)]
+    fn end_runs_of(&mut self, object: &Object<S>, of: Mask<S>) {
+        vectorized::<S, _>(
+            #[inline(always)]
+            || self.end_runs_here(object, of),
+        );
+    }
+
+    #[inline(always)]
+    fn end_runs_here(&mut self, object: &Object<S>, of: Mask<S>) {
+        let (zero, one) = (F32s::zero(), F32s::splat(1.0));
+        // To the rule the other rays have seen nothing.
+        let mut run = State::select(of, &self.state, &State::start(0.0));
+        let crossing = Crossing {
+            scenery: self.scenery,
+            object,
+            packet: self.rays,
+            to_eye: &self.to_eye,
+        };
+        let has_depth = with_rule!(object.composite, rule => {
+            rule.finish(&mut run, &crossing);
+            rule.has_depth()
+        });
+        let runs = &mut self.runs;
+        if has_depth {
+            let first = of & zero.lt(run.alpha) & runs.has_place.eq(zero);
+            runs.place = first.select(run.place, runs.place);
+            runs.has_place = first.select(one, runs.has_place);
+        }
+        let passing = one - runs.alpha;
+        for (sum, colour) in runs.colour.iter_mut().zip(run.colour) {
+            *sum += of.select(passing * colour, zero);
+        }
+        runs.alpha += of.select(passing * run.alpha, zero);
+        self.state.last_normal = of.select3(run.last_normal, self.state.last_normal);
+    }
+}
