@@ -314,7 +314,11 @@ impl<'s, S: Level> Packet<'s, S> {
             value,
             sampled,
         };
-        with_rule!(object.composite, rule => rule.add(&mut self.state, &sample))
+        with_rule!(object.composite, rule => {
+            // A copy for each rule: that of a rule which is not inlined lies in memory, the others need not.
+            let sample = sample;
+            rule.add(&mut self.state, &sample)
+        })
     }
 
     /// Colour, and opacity of one step, of a value of `object`.

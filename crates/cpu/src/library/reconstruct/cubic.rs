@@ -25,10 +25,9 @@ pub fn cubic<S: Level, F: Fetch<S>>(
     );
     let taps = [tap(0), tap(1), tap(2), tap(3)];
     let row_along_x = RowAlongX::new(shape, cell[0]);
-    let mut sum = F32s::zero();
-    for z in 0..4 {
-        let mut plane = F32s::zero();
-        for y in 0..4 {
+    let row = inlined(
+        #[inline(always)]
+        |y: usize, z: usize| {
             let (y_tap, z_tap) = (taps[y][1], taps[z][2]);
             let numbers = match row_along_x.numbers(fetch, y_tap, z_tap) {
                 Some(numbers) => numbers,
@@ -43,8 +42,14 @@ pub fn cubic<S: Level, F: Fetch<S>>(
             for x in 0..4 {
                 row += numbers[x] * weights[0][x];
             }
-            plane += row * weights[1][y];
-        }
+            row * weights[1][y]
+        },
+    );
+    let mut sum = F32s::zero();
+    // The rows of a plane are written out and its planes are not: a loop over rows takes a tenth longer, and four planes
+    // side by side, which the compiler makes of a loop that it can count, fill the cache of instructions.
+    for z in 0..std::hint::black_box(4usize).min(4) {
+        let plane = F32s::zero() + row(0, z) + row(1, z) + row(2, z) + row(3, z);
         sum += plane * weights[2][z];
     }
     sum
