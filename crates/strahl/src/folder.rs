@@ -18,21 +18,23 @@ pub struct Folder(Source);
 enum Source {
     /// Any file that can be reached from here; listed only when asked.
     Around(PathBuf),
-    /// These files and no other, with their lengths.
+    /// These files and no other, with their lengths …
     Listed(BTreeMap<String, (PathBuf, u64)>),
+    /// … and what lies in folders below this one, listed only when asked.
+    Tree(PathBuf, BTreeMap<String, (PathBuf, u64)>),
 }
 
 impl Folder {
-    /// The files of a folder; folders in it and names that begin with a dot are left out.
+    /// The files of a folder, and those of folders in it if somebody asks; names that begin with a dot are left out.
     ///
     /// # Errors
-    /// If the folder cannot be listed, or holds no file.
+    /// If the folder cannot be listed, or is empty.
     pub fn of(path: &Path) -> Result<Folder, Error> {
         let (files, folders) = list(path).map_err(|error| Error::path(path, error))?;
-        if files.is_empty() {
-            return Err(Error::not_usable(path, empty_folder(&folders)));
+        if files.is_empty() && folders.is_empty() {
+            return Err(Error::not_usable(path, "the folder is empty"));
         }
-        Ok(Folder(Source::Listed(files)))
+        Ok(Folder(Source::Tree(path.to_owned(), files)))
     }
 
     /// The files beside `path`, for headers that name their data file.
@@ -77,21 +79,12 @@ impl Folder {
     /// Where the file `name` lies.
     pub(crate) fn path_of(&self, name: &str) -> io::Result<PathBuf> {
         match &self.0 {
-            Source::Around(folder) => {
-                // A header may name a file in a folder below, but a downloaded header has no
-                // business elsewhere on this machine.
-                let inside = Path::new(name)
-                    .components()
-                    .all(|c| matches!(c, Component::Normal(_) | Component::CurDir));
-                if inside {
-                    Ok(folder.join(name))
-                } else {
-                    Err(io::Error::new(
-                        io::ErrorKind::InvalidInput,
-                        "names a file outside the folder of its header; put it beside the header",
-                    ))
-                }
-            }
+            Source::Around(folder) => inside(folder, name),
+            Source::Tree(folder, files) => match files.get(name) {
+                Some((path, _)) => Ok(path.clone()),
+                None if name.contains('/') => inside(folder, name),
+                None => Err(io::ErrorKind::NotFound.into()),
+            },
             Source::Listed(files) => files
                 .get(name)
                 .map(|(path, _)| path.clone())
@@ -106,7 +99,14 @@ impl Files for Folder {
             Source::Around(folder) => list(folder)
                 .map(|(files, _)| files.into_keys().collect())
                 .unwrap_or_default(),
-            Source::Listed(files) => files.keys().cloned().collect(),
+            Source::Listed(files) | Source::Tree(_, files) => files.keys().cloned().collect(),
+        }
+    }
+
+    fn names_below(&self) -> io::Result<Vec<String>> {
+        match &self.0 {
+            Source::Around(folder) | Source::Tree(folder, _) => list_below(folder),
+            Source::Listed(_) => Ok(self.names()),
         }
     }
 
@@ -149,16 +149,60 @@ fn list(folder: &Path) -> io::Result<(FilesByName, Vec<String>)> {
     Ok((files, folders))
 }
 
-fn empty_folder(folders: &[String]) -> String {
-    const SHOWN: usize = 5;
-    if folders.is_empty() {
-        return "the folder is empty".into();
+/// A file in the folder or below it: a downloaded header has no business elsewhere on this machine.
+fn inside(folder: &Path, name: &str) -> io::Result<PathBuf> {
+    let is_inside = Path::new(name)
+        .components()
+        .all(|c| matches!(c, Component::Normal(_) | Component::CurDir));
+    match is_inside {
+        true => Ok(folder.join(name)),
+        false => Err(io::Error::new(
+            io::ErrorKind::InvalidInput,
+            "names a file outside the folder of its header; put it beside the header",
+        )),
     }
-    let more = if folders.len() > SHOWN { ", …" } else { "" };
-    format!(
-        "the folder holds no file, only folders; name one of them: {}{more}",
-        folders[..folders.len().min(SHOWN)].join(", ")
-    )
+}
+
+/// Archives and CDs nest patient, study, series and part; more is no tree of images.
+const DEEPEST: usize = 8;
+const MOST_FILES: usize = 200_000;
+
+/// The names of all files in a folder and below, with `/` between folders. Links to folders are not followed, so no
+/// way leads out or round.
+fn list_below(folder: &Path) -> io::Result<Vec<String>> {
+    let too_many = |what: String| {
+        let message = format!(
+            "{what} lie below {}; name a folder of one series",
+            folder.display()
+        );
+        io::Error::other(message)
+    };
+    let mut names = Vec::new();
+    let mut open = vec![(folder.to_owned(), String::new(), 0)];
+    while let Some((path, prefix, depth)) = open.pop() {
+        if depth > DEEPEST {
+            return Err(too_many(format!("folders deeper than {DEEPEST}")));
+        }
+        for entry in fs::read_dir(&path)? {
+            let entry = entry?;
+            let name = entry.file_name().to_string_lossy().into_owned();
+            if name.starts_with('.') {
+                continue;
+            }
+            let name = format!("{prefix}{name}");
+            let is_folder = entry.file_type().is_ok_and(|kind| kind.is_dir());
+            if is_folder {
+                open.push((entry.path(), format!("{name}/"), depth + 1));
+            } else if fs::metadata(entry.path()).is_ok_and(|metadata| metadata.is_file()) {
+                names.push(name);
+            }
+            if names.len() + open.len() > MOST_FILES {
+                return Err(too_many(format!("more than {MOST_FILES} files")));
+            }
+        }
+    }
+    names.sort();
+    Ok(names)
 }
 
 /// An open file.
@@ -240,13 +284,21 @@ mod tests {
     }
 
     #[test]
-    fn a_folder_without_files_says_what_it_holds() {
-        let folder = folder_with(&["series-1/a.dcm", "series-2/a.dcm"]);
-        let message = Folder::of(folder.path()).unwrap_err().to_string();
-        assert!(
-            message.ends_with("name one of them: series-1, series-2"),
-            "{message}"
-        );
+    fn files_in_folders_are_listed_when_asked() {
+        let folder = folder_with(&["b.txt", "study/1/a.dcm", "study/2/.x", "study/2/c.dcm"]);
+        let files = Folder::of(folder.path()).unwrap();
+        assert_eq!(files.names(), ["b.txt"]);
+        let below = ["b.txt", "study/1/a.dcm", "study/2/c.dcm"];
+        assert_eq!(files.names_below().unwrap(), below);
+        assert_eq!(bytes_of(&files, "study/2/c.dcm"), b"study/2/c.dcm");
+        let kind = files.open("study/../../b.txt").err().unwrap().kind();
+        assert_eq!(kind, io::ErrorKind::InvalidInput);
+        let around = Folder::around(&folder.path().join("b.txt"));
+        assert_eq!(around.names_below().unwrap(), below);
+
+        let deep = folder_with(&["1/2/3/4/5/6/7/8/9/a"]);
+        let error = Folder::of(deep.path()).unwrap().names_below().unwrap_err();
+        assert!(error.to_string().contains("deeper than 8"), "{error}");
         let empty = tempfile::tempdir().unwrap();
         let message = Folder::of(empty.path()).unwrap_err().to_string();
         assert!(message.ends_with("the folder is empty"), "{message}");

@@ -100,6 +100,10 @@ impl Files for Recorded {
         self.folder.names()
     }
 
+    fn names_below(&self) -> io::Result<Vec<String>> {
+        self.folder.names_below()
+    }
+
     fn open(&self, name: &str) -> io::Result<Box<dyn Bytes + '_>> {
         let path = self.folder.path_of(name)?;
         // Before it is read: what changes meanwhile has changed.

@@ -20,6 +20,7 @@ mod pvm;
 mod raw;
 mod slices;
 mod sniff;
+mod stored;
 #[cfg(feature = "tiff")]
 mod tiff;
 mod unoriented;
@@ -53,7 +54,8 @@ pub fn read_file(name: &str, files: &dyn Files, options: &ReadOptions) -> Result
     read_input(&input, options).map_err(in_file)
 }
 
-/// Reads the one volume that all of `files` make together: a DICOM series, or numbered slices.
+/// Reads the one volume that all of `files` make together: a DICOM series, or numbered slices. If none of them is
+/// one, a DICOM series is looked for in the folders below, as archives and the CDs of patients have it.
 /// `name` is what the folder is called in messages.
 ///
 /// # Errors
@@ -101,6 +103,9 @@ fn read_input(input: &Input, options: &ReadOptions) -> Result<Loaded, Error> {
     let kind = sniff::kind(input.bytes)?;
     match kind {
         Some(Kind::Packed(encoding)) => {
+            if let Some(header) = header_of_samples(input) {
+                return read_file(&header, input.files, options);
+            }
             // NIfTI unpacks its own samples in one go, because it is usually packed.
             let start = block::head(input.bytes, 0, encoding, sniff::HEAD_BYTES)?;
             if encoding == block::Encoding::Gzip
@@ -180,10 +185,7 @@ fn read_unknown(input: &Input, options: &ReadOptions) -> Result<Loaded, Error> {
         || name.ends_with(".raw")
         || name.ends_with(".bin")
         || raw::layout_of_name(input.name).is_some();
-    // The samples of a pair: the header beside them says what they are.
-    if let Some(stem) = name.strip_suffix(".img")
-        && let Some(header) = nifti::sibling(input, &input.name[..stem.len()], ".hdr")
-    {
+    if let Some(header) = header_of_samples(input) {
         return read_file(&header, input.files, options);
     }
     match sniff::kind(input.bytes)? {
@@ -200,16 +202,39 @@ fn read_unknown(input: &Input, options: &ReadOptions) -> Result<Loaded, Error> {
     }
 }
 
+/// The header beside the samples of a pair, which says what they are.
+fn header_of_samples(input: &Input) -> Option<String> {
+    let name = input.name.to_ascii_lowercase();
+    let stem = name
+        .strip_suffix(".gz")
+        .unwrap_or(&name)
+        .strip_suffix(".img")?;
+    let stem = &input.name[..stem.len()];
+    nifti::sibling(input, stem, ".hdr").or_else(|| nifti::sibling(input, stem, ".hdr.gz"))
+}
+
 fn folder(name: &str, files: &dyn Files, options: &ReadOptions) -> Result<Loaded, Error> {
     let (mut has_dicom, mut pictures, mut others) = (false, Vec::new(), Vec::new());
     for file in files.names() {
         let bytes = files
             .open(&file)
             .map_err(|e| Error::from(e).in_file(&file))?;
-        match sniff::kind(&*bytes).map_err(|e| e.in_file(&file))? {
+        match content(&*bytes).map_err(|e| e.in_file(&file))? {
             Some(Kind::Dicom | Kind::MaybeDicom) => has_dicom = true,
             Some(Kind::Tiff | Kind::Png) => pictures.push(file),
             _ => others.push(file),
+        }
+    }
+    let below = match has_dicom || !pictures.is_empty() {
+        true => Vec::new(),
+        false => names_in_folders(files)?,
+    };
+    for file in &below {
+        let bytes = files.open(file).map_err(|e| Error::from(e).in_file(file))?;
+        let kind = content(&*bytes).map_err(|e| e.in_file(file))?;
+        has_dicom |= matches!(kind, Some(Kind::Dicom | Kind::MaybeDicom));
+        if has_dicom {
+            break;
         }
     }
     if has_dicom {
@@ -228,11 +253,47 @@ fn folder(name: &str, files: &dyn Files, options: &ReadOptions) -> Result<Loaded
         loaded.notes.extend(slices::note_of_others(&others));
         return Ok(loaded);
     }
-    Err(ErrorKind::Unknown {
-        why: format!(
-            "the folder holds {} files, none of them DICOM, TIFF or PNG; name a single file to read another format",
-            others.len()
+    let why = match others.len() {
+        0 => no_files(&below),
+        n => format!(
+            "the folder holds {n} files, none of them DICOM, TIFF or PNG; name a single file to read another format"
+        ),
+    };
+    Err(ErrorKind::Unknown { why }.into())
+}
+
+/// The kind of a file, or of what is packed in it.
+fn content(bytes: &dyn Bytes) -> Result<Option<Kind>, Error> {
+    match sniff::kind(bytes)? {
+        Some(Kind::Packed(encoding @ block::Encoding::Gzip)) => {
+            let start = block::head(bytes, 0, encoding, sniff::HEAD_BYTES)?;
+            let inside = sniff::kind(&start)?.filter(|kind| *kind == Kind::Dicom);
+            Ok(inside.or(Some(Kind::Packed(encoding))))
+        }
+        kind => Ok(kind),
+    }
+}
+
+/// The files in folders below.
+fn names_in_folders(files: &dyn Files) -> Result<Vec<String>, Error> {
+    let mut names = files.names_below()?;
+    names.retain(|name| name.contains('/'));
+    Ok(names)
+}
+
+fn no_files(below: &[String]) -> String {
+    const SHOWN: usize = 5;
+    let mut folders: Vec<&str> = below
+        .iter()
+        .filter_map(|name| name.split('/').next())
+        .collect();
+    folders.dedup();
+    let more = if folders.len() > SHOWN { ", …" } else { "" };
+    match folders.len() {
+        0 => "the folder is empty".into(),
+        n => format!(
+            "the folder holds no file, only folders without DICOM images; name one of them: {}{more}",
+            folders[..n.min(SHOWN)].join(", ")
         ),
     }
-    .into())
 }

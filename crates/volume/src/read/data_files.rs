@@ -1,9 +1,10 @@
 //! Samples in the files that a text header names: one, a list, or a numbered sequence.
 
-use super::block::{Block, ByteReader, Encoding, Endian, Trailing};
+use super::block::{self, Block, ByteReader, Encoding, Endian, Trailing};
+use super::stored::Stored;
 use super::{Bytes, Input};
+use crate::Samples;
 use crate::error::{Error, ErrorKind};
-use crate::{SampleType, Samples};
 use std::io::{BufRead, BufReader};
 use std::ops::Range;
 
@@ -32,7 +33,7 @@ pub(crate) enum Place {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ByteSkip {
     Front(u64),
-    /// Whatever is left when the samples lie at the end of the file (raw only).
+    /// Whatever is left when the samples lie at the end of the (unpacked) file.
     AllButTheEnd,
 }
 
@@ -45,11 +46,16 @@ impl Storage {
     pub(crate) fn read(
         &self,
         input: &Input,
-        sample_type: SampleType,
+        stored: Stored,
         total: usize,
         range: Range<usize>,
+        notes: &mut Vec<String>,
     ) -> Result<Samples, Error> {
-        let mut samples = Samples::new(sample_type);
+        let is_text = self.encoding == Encoding::Ascii;
+        let mut samples = Samples::new(match is_text {
+            true => stored.of_text(),
+            false => stored.bits(),
+        });
         match &self.place {
             &Place::After(offset) => {
                 self.append(input.bytes, offset, &mut samples, total, range)?;
@@ -68,14 +74,17 @@ impl Storage {
                     if here.is_empty() {
                         continue;
                     }
-                    let (name, bytes) = open(input, self.field, path)?;
+                    let (name, bytes) = open(input, self.field, path, notes)?;
                     let here = here.start - i * each..here.end - i * each;
                     self.append(&*bytes, 0, &mut samples, each, here)
                         .map_err(|error| error.in_file(&name))?;
                 }
             }
         }
-        Ok(samples)
+        match is_text {
+            true => stored.kept_of_text(samples, notes),
+            false => stored.kept_of_bits(samples, notes),
+        }
     }
 
     fn append(
@@ -98,15 +107,23 @@ impl Storage {
         let skip = match self.byte_skip {
             ByteSkip::Front(skip) => skip,
             ByteSkip::AllButTheEnd => {
-                offset = bytes
-                    .len()
-                    .checked_sub(all_bytes)
-                    .ok_or(ErrorKind::Truncated {
-                        what: "the sample data".into(),
-                        expected: all_bytes,
-                        found: bytes.len(),
-                    })?;
-                0
+                let stored = match encoding {
+                    Encoding::Raw => bytes.len(),
+                    // Counted without being kept.
+                    _ => unpacked_length(bytes, offset, encoding)?,
+                };
+                let before = stored.checked_sub(all_bytes).ok_or(ErrorKind::Truncated {
+                    what: "the sample data".into(),
+                    expected: all_bytes,
+                    found: stored,
+                })?;
+                match encoding {
+                    Encoding::Raw => {
+                        offset = before;
+                        0
+                    }
+                    _ => before,
+                }
             }
         };
         // Numbers in text are counted one by one, everything else in bytes.
@@ -129,29 +146,93 @@ impl Storage {
     }
 }
 
-/// Opens the file that `field` names. Only files beside the header can be, whatever folder it says:
-/// a header must not reach into places that the user did not name.
+/// Opens the file that `field` names: beside the header, or in a folder below. A header must not reach into places
+/// that the user did not name, so of a path from the root only the file's name counts, with a note.
 ///
 /// # Errors
-/// Says which field names which file if it is not there.
+/// Says which field names which file if it is not there, or lies elsewhere.
 pub(crate) fn open<'a>(
     input: &Input<'a>,
     field: &str,
     path: &str,
+    notes: &mut Vec<String>,
 ) -> Result<(String, Box<dyn Bytes + 'a>), Error> {
-    let name = path.rsplit(['/', '\\']).next().unwrap_or(path).trim();
-    match input.files.open(name) {
-        Ok(bytes) => Ok((name.to_owned(), bytes)),
+    let name = match place_of(path) {
+        Named::Inside(name) => name,
+        Named::FromTheRoot(name) => {
+            notes.push(format!(
+                "{field} names `{path}`; {name} beside {} was read",
+                input.name
+            ));
+            name
+        }
+        Named::Outside => {
+            return Err(Error::field(
+                field,
+                format!("`{path}`"),
+                format!(
+                    "a file beside {}, or in a folder below; put it there",
+                    input.name
+                ),
+            ));
+        }
+    };
+    match input.files.open(&name) {
+        Ok(bytes) => Ok((name, bytes)),
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => Err(Error::field(
             field,
             format!("`{path}`"),
             format!(
-                "the name of a file beside {}; there is no {name}",
+                "the name of a file beside {}, or in a folder below; there is no {name}",
                 input.name
             ),
         )),
-        Err(error) => Err(Error::from(error).in_file(name)),
+        Err(error) => Err(Error::from(error).in_file(&name)),
     }
+}
+
+/// Where a name in a header leads.
+#[derive(Debug, PartialEq)]
+enum Named {
+    /// A file here or below, with `/` between folders.
+    Inside(String),
+    /// A place that depends on the machine: the last part of its name.
+    FromTheRoot(String),
+    /// Above the folder of the header.
+    Outside,
+}
+
+fn place_of(path: &str) -> Named {
+    let path = path.trim();
+    let is_drive = matches!(path.as_bytes(), [letter, b':', ..] if letter.is_ascii_alphabetic());
+    let mut parts = Vec::new();
+    for part in path.split(['/', '\\']) {
+        match part {
+            "" | "." => {}
+            ".." => {
+                if parts.pop().is_none() {
+                    return Named::Outside;
+                }
+            }
+            part => parts.push(part),
+        }
+    }
+    if path.starts_with(['/', '\\']) || is_drive {
+        return Named::FromTheRoot(parts.last().copied().unwrap_or_default().to_owned());
+    }
+    Named::Inside(parts.join("/"))
+}
+
+/// Bytes that are left when everything from `offset` on is unpacked.
+fn unpacked_length(bytes: &dyn Bytes, offset: u64, encoding: Encoding) -> Result<u64, Error> {
+    let mut decoder = block::decoder(bytes, offset, encoding);
+    std::io::copy(&mut decoder, &mut std::io::sink()).map_err(|error| {
+        ErrorKind::Compression {
+            codec: encoding.name(),
+            why: error.to_string(),
+        }
+        .into()
+    })
 }
 
 /// The names that a pattern such as `slice%03d.raw` with first, last and step makes. The step may
@@ -252,6 +333,24 @@ fn begins_like_gzip(bytes: &dyn Bytes, offset: u64) -> Result<bool, Error> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn names_stay_in_the_folder_of_the_header() {
+        let inside = |name: &str| Named::Inside(name.into());
+        for (path, place) in [
+            ("v.raw", inside("v.raw")),
+            (" ./v.raw ", inside("v.raw")),
+            ("data/v.raw", inside("data/v.raw")),
+            ("data\\deep\\v 1.raw", inside("data/deep/v 1.raw")),
+            ("data/../v.raw", inside("v.raw")),
+            ("../v.raw", Named::Outside),
+            ("data/../../v.raw", Named::Outside),
+            ("/scans/v.raw", Named::FromTheRoot("v.raw".into())),
+            ("C:\\scans\\v.raw", Named::FromTheRoot("v.raw".into())),
+        ] {
+            assert_eq!(place_of(path), place, "{path}");
+        }
+    }
 
     #[test]
     fn numbered_names_follow_printf() {

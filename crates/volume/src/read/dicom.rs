@@ -39,7 +39,7 @@ use std::io;
 /// # Errors
 /// What the system says when a file is read. Files that are no DICOM images are passed over.
 pub fn list_series(files: &dyn Files) -> Result<Vec<SeriesSummary>, Error> {
-    let scan = series::scan(files)?;
+    let scan = scan_here_or_below(files)?;
     Ok(scan
         .series
         .into_iter()
@@ -47,10 +47,88 @@ pub fn list_series(files: &dyn Files) -> Result<Vec<SeriesSummary>, Error> {
         .collect())
 }
 
+/// The series of a folder; if no file in it is an image, those of the folders below.
+fn scan_here_or_below(files: &dyn Files) -> Result<series::Scan, Error> {
+    let scan = series::scan(files, files.names())?;
+    if !scan.series.is_empty() {
+        return Ok(scan);
+    }
+    let names = files.names_below()?;
+    if names.iter().all(|name| !name.contains('/')) {
+        return Ok(scan);
+    }
+    let mut below = series::scan(files, names)?;
+    let first = below.series.first().and_then(|(_, images)| images.first());
+    if let Some(image) = first {
+        below.notes.insert(
+            0,
+            format!("the images lie in folders below, such as {}", image.name),
+        );
+    }
+    Ok(below)
+}
+
+/// The images that a DICOMDIR names (PS3.3, annex F).
+fn read_directory(
+    input: &Input,
+    elements: &elements::Elements,
+    options: &ReadOptions,
+) -> Result<Loaded, Error> {
+    // Names on a CD are in capitals; what copied it may have changed that, or written a version behind.
+    let plain = |name: &str| {
+        let name = name.to_ascii_lowercase();
+        name.strip_suffix(";1").unwrap_or(&name).to_owned()
+    };
+    let there: BTreeMap<String, String> = input
+        .files
+        .names_below()?
+        .into_iter()
+        .map(|name| (plain(&name), name))
+        .collect();
+    let named: Vec<String> = elements
+        .set
+        .items(tags::DIRECTORY_RECORD_SEQUENCE)
+        .iter()
+        .filter_map(|record| record.text(tags::REFERENCED_FILE_ID))
+        .map(|path| {
+            let parts: Vec<&str> = path.split('\\').map(str::trim).collect();
+            parts.join("/")
+        })
+        .collect();
+    let found: Vec<String> = named
+        .iter()
+        .filter_map(|name| there.get(&plain(name)).cloned())
+        .collect();
+    if found.is_empty() {
+        return Err(Error::field(
+            tags::field_name(tags::REFERENCED_FILE_ID),
+            match named.first() {
+                Some(name) => format!("`{name}` and {} more", named.len() - 1),
+                None => "missing".into(),
+            },
+            format!("files beside {} or in folders below", input.name),
+        ));
+    }
+    let mut scan = series::scan(input.files, found.clone())?;
+    if found.len() < named.len() {
+        scan.notes.push(format!(
+            "{} of the {} files that {} names are not there",
+            named.len() - found.len(),
+            named.len(),
+            input.name
+        ));
+    }
+    read_scan(input.name, scan, input.files, options)
+}
+
 /// A multi-frame file alone; a file with one image stands for its whole series in the folder.
 pub(crate) fn read_file(input: &Input, options: &ReadOptions) -> Result<Loaded, Error> {
-    let (image, result) = series::image(input.name, input.bytes);
+    let (elements, result) = elements::read(input.bytes);
     result?;
+    if elements.set.has(tags::DIRECTORY_RECORD_SEQUENCE) {
+        return read_directory(input, &elements, options);
+    }
+    let image = series::image(input.name, input.bytes, elements);
     let image = image.ok_or_else(|| {
         Error::from(ErrorKind::Missing {
             field: tags::field_name(tags::PIXEL_DATA),
@@ -68,7 +146,7 @@ pub(crate) fn read_file(input: &Input, options: &ReadOptions) -> Result<Loaded, 
     if uid.is_empty() || image.frames()? > 1 {
         return assemble(vec![image], &alone, options, Vec::new());
     }
-    let scan = series::scan(input.files)?;
+    let scan = series::scan(input.files, input.files.names())?;
     let found = scan
         .series
         .iter()
@@ -101,7 +179,15 @@ pub(crate) fn read_folder(
     files: &dyn Files,
     options: &ReadOptions,
 ) -> Result<Loaded, Error> {
-    let scan = series::scan(files)?;
+    read_scan(name, scan_here_or_below(files)?, files, options)
+}
+
+fn read_scan(
+    name: &str,
+    scan: series::Scan,
+    files: &dyn Files,
+    options: &ReadOptions,
+) -> Result<Loaded, Error> {
     let (summary, images, rest) = scan.pick(options.series.as_deref())?;
     let mut notes = rest.notes;
     damaged(rest.damaged, &summary.uid, &mut notes)?;
@@ -432,7 +518,7 @@ impl Reader<'_> {
         parts: Vec<(&Frame, &mut [T])>,
         read: &(impl Fn(&Source, &Frame, &mut [T]) -> Result<(), Error> + Sync),
     ) -> Result<(), Error> {
-        let bytes = self.files.open(&image.name)?;
+        let bytes = series::open(self.files, &image.name)?;
         let frame = parts[0].0;
         let layout = frame.tile.map_or(frame.layout, |tile| tile.picture);
         let frames = image.frames()?;

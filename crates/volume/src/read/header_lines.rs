@@ -4,6 +4,9 @@ use super::Bytes;
 use crate::error::{Error, ErrorKind};
 use std::str::FromStr;
 
+/// What some editors write before UTF-8.
+pub(crate) const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
+
 /// The lines of a text header. Bytes after it (the samples) are not looked at.
 pub(crate) struct HeaderLines<'a> {
     bytes: &'a dyn Bytes,
@@ -87,6 +90,9 @@ impl<'a> HeaderLines<'a> {
         let start = self.buffer.len();
         self.buffer.resize(start + more, 0);
         self.bytes.read_at(end, &mut self.buffer[start..])?;
+        if end == 0 && self.buffer.starts_with(BYTE_ORDER_MARK) {
+            self.next = BYTE_ORDER_MARK.len();
+        }
         Ok(more > 0)
     }
 }

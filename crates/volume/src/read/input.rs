@@ -72,19 +72,33 @@ pub trait Files: Sync {
     /// The names, sorted.
     fn names(&self) -> Vec<String>;
 
-    /// Opens a file by name.
+    /// The names of the files here and in folders below (`folder/name`), sorted. Without folders, those of
+    /// [`names`](Files::names).
+    ///
+    /// # Errors
+    /// More folders than one wants to walk through, or what the system says.
+    fn names_below(&self) -> io::Result<Vec<String>> {
+        Ok(self.names())
+    }
+
+    /// Opens a file by name; one in a folder below as `folder/name`.
     ///
     /// # Errors
     /// `NotFound` for an unknown name, or what the system says.
     fn open(&self, name: &str) -> io::Result<Box<dyn Bytes + '_>>;
 }
 
-/// Files that are already in memory.
+/// Files that are already in memory, those in folders as `folder/name`.
 pub type MemoryFiles = BTreeMap<String, Vec<u8>>;
 
 impl Files for MemoryFiles {
     fn names(&self) -> Vec<String> {
-        self.keys().cloned().collect()
+        let here = self.keys().filter(|name| !name.contains('/'));
+        here.cloned().collect()
+    }
+
+    fn names_below(&self) -> io::Result<Vec<String>> {
+        Ok(self.keys().cloned().collect())
     }
 
     fn open(&self, name: &str) -> io::Result<Box<dyn Bytes + '_>> {

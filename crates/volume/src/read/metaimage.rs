@@ -26,6 +26,7 @@ use super::block::{Encoding, Endian};
 use super::data_files::{self, ByteSkip, Place, Storage};
 use super::header_lines::{HeaderLines, numbers, required};
 use super::nrrd::modality_of;
+use super::stored::Stored;
 use super::{Input, Loaded, ReadOptions};
 use crate::error::{Error, ErrorKind};
 use crate::{Grid, Metadata, Rescale, SampleType, Volume};
@@ -34,7 +35,8 @@ use std::collections::BTreeMap;
 
 pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error> {
     let header = Header::parse(input)?;
-    let sample_type = header.sample_type()?;
+    let stored = header.sample_type()?;
+    let mut notes = Vec::new();
     let channels = header
         .number::<u32>("ElementNumberOfChannels")?
         .unwrap_or(1);
@@ -71,9 +73,10 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error
             )
         })?;
     let start = options.time_index * count;
+    let range = start..start + count;
     let samples = header
         .storage()?
-        .read(input, sample_type, total, start..start + count)?;
+        .read(input, stored, total, range, &mut notes)?;
 
     let rescale = Rescale::new(
         header
@@ -87,7 +90,7 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error
     Ok(Loaded {
         volume: Volume::new(grid, samples, rescale, metadata)?,
         labels: None,
-        notes: Vec::new(),
+        notes,
     })
 }
 
@@ -233,9 +236,9 @@ impl Header {
         Ok(sizes)
     }
 
-    fn sample_type(&self) -> Result<SampleType, Error> {
+    fn sample_type(&self) -> Result<Stored, Error> {
         let text = required("ElementType", self.get("ElementType"), "such as MET_SHORT")?;
-        Ok(match text.to_ascii_uppercase().as_str() {
+        Ok(Stored::Kept(match text.to_ascii_uppercase().as_str() {
             "MET_CHAR" => SampleType::I8,
             "MET_UCHAR" => SampleType::U8,
             "MET_SHORT" => SampleType::I16,
@@ -244,13 +247,8 @@ impl Header {
             "MET_UINT" | "MET_ULONG" => SampleType::U32,
             "MET_FLOAT" => SampleType::F32,
             "MET_DOUBLE" => SampleType::F64,
-            "MET_LONG_LONG" | "MET_ULONG_LONG" => {
-                return Err(ErrorKind::Unsupported {
-                    feature: format!("ElementType {text} (64-bit whole numbers)"),
-                    instead: "write them as MET_INT, MET_UINT or MET_DOUBLE".into(),
-                }
-                .into());
-            }
+            "MET_LONG_LONG" => return Ok(Stored::I64),
+            "MET_ULONG_LONG" => return Ok(Stored::U64),
             _ => {
                 return Err(Error::field(
                     "ElementType",
@@ -258,7 +256,7 @@ impl Header {
                     "MET_CHAR, MET_UCHAR, MET_SHORT, MET_USHORT, MET_INT, MET_UINT, MET_FLOAT or MET_DOUBLE",
                 ));
             }
-        })
+        }))
     }
 
     fn world_from_voxel(&self, rank: usize) -> Result<DAffine3, Error> {

@@ -27,6 +27,7 @@
 //! else the spacings about the centre of the grid with x to the left, which is what nibabel does.
 
 use super::block::{self, Block, Encoding, Endian, Trailing};
+use super::stored::Stored;
 use super::{Bytes, Input, Loaded, ReadOptions};
 use crate::error::{Error, ErrorKind};
 use crate::{Grid, Metadata, Rescale, SampleType, Volume, voxel_count};
@@ -51,7 +52,7 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error
     let mut notes = std::mem::take(&mut header.notes);
 
     let [nx, ny, nz, time_points] = header.lengths()?;
-    let sample_type = header.sample_type()?;
+    let stored = header.sample_type()?;
     let grid = Grid::new([nx, ny, nz], header.world_from_voxel(&mut notes)?)?;
     if options.time_index >= time_points {
         return Err(Error::field(
@@ -66,7 +67,7 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error
     let count = grid.voxel_count();
     let too_large = || Error::field("dim", format!("{:?}", header.dim), "fewer samples");
     let frame_bytes = (count as u64)
-        .checked_mul(sample_type.size() as u64)
+        .checked_mul(stored.bits().size() as u64)
         .ok_or_else(too_large)?;
     let skip = frame_bytes
         .checked_mul(options.time_index as u64)
@@ -87,7 +88,7 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error
             // The standard does not forbid it and tools pad.
             trailing: Trailing::Ignored,
         }
-        .read(sample_type, count)
+        .read(stored.bits(), count)
     };
     let samples = if header.single_file {
         samples_in(input.bytes, head_encoding)?
@@ -109,6 +110,8 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error
         };
         samples_in(&*bytes, encoding).map_err(in_file)?
     };
+
+    let samples = stored.kept_of_bits(samples, &mut notes)?;
 
     if header.intercept_is_broken() {
         notes.push(format!(
@@ -376,10 +379,17 @@ impl Header {
             ));
             self.vox_offset = shortest;
         }
+        for axis in 3..=7 {
+            if self.dim[axis] == 0 && axis as i64 <= self.dim[0] {
+                self.notes.push(format!("dim[{axis}] is 0; 1 is taken"));
+                self.dim[axis] = 1;
+            }
+        }
         if self.version == Version::Analyze {
             (self.qform_code, self.sform_code, self.intent_code) = (0, 0, 0);
             (self.xyzt_units, self.intent_name) = (0, String::new());
         }
+        self.drop_useless_sform();
         // The spacings count only where there is no sform.
         if self.sform_code != 0 {
             return;
@@ -399,6 +409,21 @@ impl Header {
         }
         if self.pixdim[0] != -1.0 {
             self.pixdim[0] = 1.0;
+        }
+    }
+
+    /// An sform that places nothing gives way to a qform, as in ITK.
+    fn drop_useless_sform(&mut self) {
+        let [x, y, z] = self.srow;
+        let [a, b, c] = [0, 1, 2].map(|i| DVec3::new(x[i], y[i], z[i]));
+        let determinant = a.cross(b).dot(c);
+        let is_useless = determinant == 0.0 || !determinant.is_finite();
+        if self.sform_code != 0 && self.qform_code != 0 && is_useless {
+            self.notes.push(format!(
+                "sform_code is {}, but the matrix places nothing; the qform is taken",
+                self.sform_code
+            ));
+            self.sform_code = 0;
         }
     }
 
@@ -447,29 +472,29 @@ impl Header {
         Ok(lengths)
     }
 
-    fn sample_type(&self) -> Result<SampleType, Error> {
+    fn sample_type(&self) -> Result<Stored, Error> {
         let (name, instead) = match self.datatype {
-            2 => return Ok(SampleType::U8),
-            4 => return Ok(SampleType::I16),
-            8 => return Ok(SampleType::I32),
-            16 => return Ok(SampleType::F32),
-            64 => return Ok(SampleType::F64),
-            256 => return Ok(SampleType::I8),
-            512 => return Ok(SampleType::U16),
-            768 => return Ok(SampleType::U32),
+            2 => return Ok(Stored::Kept(SampleType::U8)),
+            4 => return Ok(Stored::Kept(SampleType::I16)),
+            8 => return Ok(Stored::Kept(SampleType::I32)),
+            16 => return Ok(Stored::Kept(SampleType::F32)),
+            64 => return Ok(Stored::Kept(SampleType::F64)),
+            256 => return Ok(Stored::Kept(SampleType::I8)),
+            512 => return Ok(Stored::Kept(SampleType::U16)),
+            768 => return Ok(Stored::Kept(SampleType::U32)),
+            1024 => return Ok(Stored::I64),
+            1280 => return Ok(Stored::U64),
             1 => ("binary", "write it as uint8"),
             32 => ("complex64", "write magnitude or phase as float32"),
             128 => ("RGB24", "write each colour channel as a uint8 volume"),
             2304 => ("RGBA32", "write each colour channel as a uint8 volume"),
-            1024 => ("int64", "write it as int32 or float64"),
-            1280 => ("uint64", "write it as uint32 or float64"),
             1536 => ("float128", "write it as float64"),
             1792 | 2048 => ("complex", "write magnitude or phase as float64"),
             other => {
                 return Err(Error::field(
                     "datatype",
                     other,
-                    "2 (uint8), 4 (int16), 8 (int32), 16 (float32), 64 (float64), 256 (int8), 512 (uint16) or 768 (uint32)",
+                    "2 (uint8), 4 (int16), 8 (int32), 16 (float32), 64 (float64), 256 (int8), 512 (uint16), 768 (uint32), 1024 (int64) or 1280 (uint64)",
                 ));
             }
         };

@@ -14,6 +14,7 @@
 //! what nibabel hands out) has (x, y, z) or (x, y, z, time).
 
 use super::block::{Block, Endian, Trailing};
+use super::stored::Stored;
 use super::{Bytes, Input, Loaded, ReadOptions, unoriented};
 use crate::error::{Error, ErrorKind};
 use crate::{Metadata, Rescale, SampleType, Volume, voxel_count};
@@ -34,7 +35,7 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error
     };
     let count = voxel_count(dims).ok_or_else(too_large)?;
     let volume_bytes = (count as u64)
-        .checked_mul(header.dtype.sample_type.size() as u64)
+        .checked_mul(header.dtype.stored.bits().size() as u64)
         .ok_or_else(too_large)?;
     let expected = volume_bytes
         .checked_mul(time_points as u64)
@@ -63,7 +64,8 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error
             header.data_offset + volume_bytes * options.time_index as u64,
         )
     };
-    let samples = block.read(header.dtype.sample_type, count)?;
+    let stored = header.dtype.stored;
+    let samples = stored.kept_of_bits(block.read(stored.bits(), count)?, &mut notes)?;
     let (spacing_mm, has_length_unit) = unoriented::spacing_mm(options, None);
     let volume = Volume::new(
         unoriented::grid(dims, spacing_mm)?,
@@ -95,7 +97,7 @@ struct Header {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct DType {
-    sample_type: SampleType,
+    stored: Stored,
     endian: Endian,
 }
 
@@ -350,7 +352,25 @@ impl<'a> Literal<'a> {
             Some('=') => (endian, kind) = (Endian::NATIVE, &descr[1..]),
             _ => {}
         }
-        let sample_type = match kind {
+        let kept = match kind {
+            "i8" => {
+                return Ok(DType {
+                    stored: Stored::I64,
+                    endian,
+                });
+            }
+            "u8" => {
+                return Ok(DType {
+                    stored: Stored::U64,
+                    endian,
+                });
+            }
+            "f2" | "e" => {
+                return Ok(DType {
+                    stored: Stored::F16,
+                    endian,
+                });
+            }
             "u1" | "b1" | "?" => SampleType::U8,
             "i1" => SampleType::I8,
             "u2" => SampleType::U16,
@@ -359,8 +379,6 @@ impl<'a> Literal<'a> {
             "i4" => SampleType::I32,
             "f4" => SampleType::F32,
             "f8" => SampleType::F64,
-            "i8" | "u8" => return Err(convert(descr, "int32 or float64")),
-            "f2" | "e" => return Err(convert(descr, "float32")),
             "f12" | "f16" => return Err(convert(descr, "float64")),
             "c8" | "c16" => {
                 return Err(ErrorKind::Unsupported {
@@ -371,10 +389,8 @@ impl<'a> Literal<'a> {
             }
             _ => return Err(wrong()),
         };
-        Ok(DType {
-            sample_type,
-            endian,
-        })
+        let stored = Stored::Kept(kept);
+        Ok(DType { stored, endian })
     }
 }
 
@@ -442,7 +458,7 @@ mod tests {
 
     #[test]
     fn every_type() {
-        let cases: [(&str, Vec<u8>, Samples); 9] = [
+        let cases: [(&str, Vec<u8>, Samples); 12] = [
             ("|u1", vec![200], Samples::U8(vec![200])),
             ("|b1", vec![1], Samples::U8(vec![1])),
             ("|i1", vec![0xff], Samples::I8(vec![-1])),
@@ -464,15 +480,23 @@ mod tests {
                 (-0.1f64).to_le_bytes().to_vec(),
                 Samples::F64(vec![-0.1]),
             ),
+            (
+                ">i8",
+                (-7i64).to_be_bytes().to_vec(),
+                Samples::I32(vec![-7]),
+            ),
+            (
+                "<u8",
+                (1u64 << 40).to_le_bytes().to_vec(),
+                Samples::F64(vec![1_099_511_627_776.0]),
+            ),
+            ("<f2", vec![0x00, 0xBE], Samples::F32(vec![-1.5])),
         ];
         for (descr, bytes, samples) in cases {
             let file = file(1, &header(descr, false, "(1, 1, 1)"), &bytes);
             assert_eq!(load(&file).unwrap().volume.samples(), &samples, "{descr}");
         }
         for (descr, advice) in [
-            ("<i8", "int32 or float64"),
-            ("<u8", "int32 or float64"),
-            ("<f2", "float32"),
             ("<c8", "magnitude"),
             ("<U7", "NumPy number type"),
             ("|O", "NumPy number type"),
@@ -589,7 +613,7 @@ mod tests {
             let text = format!("{{{}{end}{space}}}{space}", fields.join(&format!(",{space}")));
             let expected = Header {
                 dtype: DType {
-                    sample_type: SampleType::I16,
+                    stored: Stored::Kept(SampleType::I16),
                     endian: if big { Endian::Big } else { Endian::Little },
                 },
                 fortran_order: fortran,

@@ -17,7 +17,7 @@
 //! | `data file`                           | a name; `LIST [n]` and names to the end of file; `pattern first last step [n]` |
 //! | `line skip`, `byte skip`              | before the samples (bytes after unpacking; −1: samples at the end) |
 //! | `space`, `space dimension`            | what the world's axes mean; patient spaces are turned into RAS |
-//! | `space directions`, `space origin`    | columns of the affine; `none` for axes that are no place |
+//! | `space directions`, `space origin`    | columns of the affine; `none` or NaN for axes that are no place |
 //! | `space units`, `units`                | of the world's or the grid's axes                 |
 //! | `spacings`, `axis mins`, `axis maxs`, `centerings` | places of grids without a space      |
 //! | `kinds`                               | which axes are places                             |
@@ -29,6 +29,7 @@
 use super::block::{Encoding, Endian};
 use super::data_files::{self, ByteSkip, Place, Storage};
 use super::header_lines::{HeaderLines, numbers, required};
+use super::stored::Stored;
 use super::{Input, Loaded, ReadOptions};
 use crate::error::{Error, ErrorKind};
 use crate::{Grid, Label, Metadata, Modality, Rescale, SampleType, Volume, with_samples};
@@ -39,8 +40,8 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error
     let header = Header::parse(input)?;
     let mut notes = Vec::new();
 
-    let sample_type = header.sample_type()?;
-    let axes = header.axes()?;
+    let stored = header.sample_type()?;
+    let axes = header.axes(&mut notes)?;
     let grid = header.grid(&axes, &mut notes)?;
     let frames = axes.frames();
     if options.time_index >= frames {
@@ -59,20 +60,20 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error
         .filter(|&n| n <= isize::MAX as usize)
         .ok_or_else(|| Error::field("sizes", header.text("sizes"), "fewer samples"))?;
 
-    let storage = header.storage(sample_type)?;
+    let storage = header.storage(stored)?;
     let samples = match axes.frame_axis {
         // Frames follow one another: only the wanted one is read.
         Some(axis) if axis + 1 == axes.sizes.len() => {
             let start = options.time_index * count;
-            storage.read(input, sample_type, total, start..start + count)?
+            storage.read(input, stored, total, start..start + count, &mut notes)?
         }
         Some(axis) => {
             let before = axes.sizes[..axis].iter().product();
-            let mut samples = storage.read(input, sample_type, total, 0..total)?;
+            let mut samples = storage.read(input, stored, total, 0..total, &mut notes)?;
             with_samples!(&mut samples, s => pick(s, before, frames, options.time_index));
             samples
         }
-        None => storage.read(input, sample_type, total, 0..total)?,
+        None => storage.read(input, stored, total, 0..total, &mut notes)?,
     };
 
     let labels = header.labels(options.time_index, frames, &mut notes)?;
@@ -238,12 +239,12 @@ impl Header {
         self.get(field).unwrap_or_default().to_owned()
     }
 
-    fn sample_type(&self) -> Result<SampleType, Error> {
+    fn sample_type(&self) -> Result<Stored, Error> {
         let text = required("type", self.get("type"), "such as `uint8` or `short`")?;
         let words: Vec<&str> = text.split_whitespace().collect();
         let name = words.join(" ").to_ascii_lowercase();
         let short = name.trim_end_matches("_t");
-        Ok(match short {
+        Ok(Stored::Kept(match short {
             "signed char" | "int8" => SampleType::I8,
             "uchar" | "unsigned char" | "uint8" => SampleType::U8,
             "short" | "short int" | "signed short" | "signed short int" | "int16" => {
@@ -261,21 +262,23 @@ impl Header {
                 }
                 .into());
             }
-            _ if short.contains("long") || short.ends_with("int64") => {
-                return Err(ErrorKind::Unsupported {
-                    feature: format!("type {text} (64-bit whole numbers)"),
-                    instead: "write them as int32, uint32 or double".into(),
-                }
-                .into());
+            "longlong"
+            | "long long"
+            | "long long int"
+            | "signed long long"
+            | "signed long long int"
+            | "int64" => return Ok(Stored::I64),
+            "ulonglong" | "unsigned long long" | "unsigned long long int" | "uint64" => {
+                return Ok(Stored::U64);
             }
             _ => {
                 return Err(Error::field(
                     "type",
                     format!("`{text}`"),
-                    "int8, uint8, int16, uint16, int32, uint32, float or double (or their C names)",
+                    "int8, uint8, int16, uint16, int32, uint32, int64, uint64, float or double (or their C names)",
                 ));
             }
-        })
+        }))
     }
 
     fn sizes(&self) -> Result<Vec<usize>, Error> {
@@ -312,7 +315,7 @@ impl Header {
         Ok(Some(vectors))
     }
 
-    fn axes(&self) -> Result<Axes, Error> {
+    fn axes(&self, notes: &mut Vec<String>) -> Result<Axes, Error> {
         let sizes = self.sizes()?;
         let kinds: Vec<String> = match self.get("kinds") {
             Some(text) => {
@@ -331,7 +334,8 @@ impl Header {
             }
             None => vec!["???".into(); sizes.len()],
         };
-        let places: Vec<usize> = match self.directions(sizes.len())? {
+        let directions = self.directions(sizes.len())?;
+        let mut places: Vec<usize> = match &directions {
             Some(directions) => (0..sizes.len())
                 .filter(|&i| directions[i].is_some())
                 .collect(),
@@ -346,6 +350,13 @@ impl Header {
                 }
             }
         };
+        // A fourth axis that no direction tells from the others: images of four dimensions, as ITK writes them.
+        if let [x, y, z, last] = places[..]
+            && directions.is_none()
+        {
+            notes.push(format!("axis {last} is taken as time"));
+            places = vec![x, y, z];
+        }
         if !(2..=3).contains(&places.len()) {
             return Err(ErrorKind::Unsupported {
                 feature: format!(
@@ -359,7 +370,9 @@ impl Header {
         let mut frame_axis = None;
         for axis in (0..sizes.len()).filter(|axis| !places.contains(axis) && sizes[*axis] > 1) {
             let kind = kinds[axis].as_str();
-            let several_numbers = !matches!(kind, "list" | "time" | "???" | "none");
+            // Axes that could be places and lie in none of the three directions are moments.
+            let is_list = matches!(kind, "list" | "time" | "???" | "none" | "domain" | "space");
+            let several_numbers = !is_list;
             if several_numbers || frame_axis.is_some() {
                 return Err(ErrorKind::Unsupported {
                     feature: format!(
@@ -434,6 +447,10 @@ impl Header {
         let origin = match self.get("spaceorigin") {
             Some(text) => match vectors("space origin", text, self.space_dimension()?)?[..] {
                 [Some(origin)] => origin,
+                [None] => {
+                    notes.push("`space origin` is not known (NaN); 0 is taken".into());
+                    DVec3::ZERO
+                }
                 _ => {
                     return Err(Error::field(
                         "space origin",
@@ -549,7 +566,7 @@ impl Header {
         ))
     }
 
-    fn storage(&self, sample_type: SampleType) -> Result<Storage, Error> {
+    fn storage(&self, stored: Stored) -> Result<Storage, Error> {
         let text = required(
             "encoding",
             self.get("encoding"),
@@ -579,12 +596,13 @@ impl Header {
                     "little or big",
                 ));
             }
-            None if sample_type.size() == 1 || encoding == Encoding::Ascii => Endian::Little,
+            None if stored.bits().size() == 1 || encoding == Encoding::Ascii => Endian::Little,
             None => {
                 return Err(ErrorKind::Missing {
                     field: "endian".into(),
                     allowed: format!(
-                        "{sample_type} samples need `endian: little` or `endian: big`"
+                        "samples of {} bytes need `endian: little` or `endian: big`",
+                        stored.bits().size()
                     ),
                 }
                 .into());
@@ -600,12 +618,17 @@ impl Header {
         let bytes = number("byte skip", "byteskip")?;
         let byte_skip = match u64::try_from(bytes) {
             Ok(bytes) => ByteSkip::Front(bytes),
-            Err(_) if bytes == -1 && encoding == Encoding::Raw => ByteSkip::AllButTheEnd,
+            Err(_)
+                if bytes == -1
+                    && matches!(encoding, Encoding::Raw | Encoding::Gzip | Encoding::Bzip2) =>
+            {
+                ByteSkip::AllButTheEnd
+            }
             Err(_) => {
                 return Err(Error::field(
                     "byte skip",
                     bytes,
-                    "0 or more; −1 (samples at the end) for raw encoding",
+                    "0 or more; −1 (samples at the end) for raw, gzip and bzip2 encoding",
                 ));
             }
         };
@@ -793,6 +816,12 @@ fn vectors(field: &str, text: &str, dimension: usize) -> Result<Vec<Option<DVec3
             .map_err(|_| wrong())?;
         if numbers.len() != dimension {
             return Err(wrong());
+        }
+        // Not known, or no place (NRRD's own words for it are NaN).
+        if numbers.iter().all(|n| n.is_nan()) {
+            vectors.push(None);
+            rest = after.trim_start();
+            continue;
         }
         let z = numbers.get(2).copied().unwrap_or(0.0);
         let vector = DVec3::new(numbers[0], numbers[1], z);

@@ -17,6 +17,7 @@
 //! | PVM       | 0      | `PVM\n`, `PVM2\n`, `PVM3\n`, `DDS v3d\n`, `DDS v3e\n`              |
 //! | .dat      | 0      | text, a key of the format with `:` in one of the first lines       |
 
+use super::header_lines::BYTE_ORDER_MARK;
 use super::{Bytes, block::Encoding};
 use crate::error::Error;
 
@@ -62,6 +63,10 @@ pub(crate) fn kind(bytes: &dyn Bytes) -> Result<Option<Kind>, Error> {
 }
 
 fn kind_of(head: &[u8]) -> Option<Kind> {
+    if let Some(text) = head.strip_prefix(BYTE_ORDER_MARK) {
+        let is_text = |kind: &Kind| matches!(kind, Kind::Nrrd | Kind::MetaImage | Kind::Dat);
+        return kind_of(text).filter(is_text);
+    }
     let begins = |magic: &[u8]| head.starts_with(magic);
     let at = |offset: usize, magic: &[u8]| head.get(offset..).is_some_and(|h| h.starts_with(magic));
     let header_size = head
@@ -276,6 +281,9 @@ mod tests {
             (vec![], None),
             (text("key = value\n"), None),
             (text("hello"), None),
+            (text("\u{feff}ObjectType = Image\n"), Some(Kind::MetaImage)),
+            (text("\u{feff}NRRD0004\n"), Some(Kind::Nrrd)),
+            (text("\u{feff}hello"), None),
         ];
         for (head, kind) in cases {
             assert_eq!(kind_of(&head), kind, "{}", head.escape_ascii());

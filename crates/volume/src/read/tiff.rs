@@ -9,14 +9,19 @@
 //!
 //! A page is a directory ([`directory`]): tags that say its size, its type and where its strips or
 //! tiles lie ([`decode`]). What the slices mean, ImageJ and OME write as text into the first page
-//! ([`description`]). ImageJ writes stacks beyond 4 GiB with a directory for the first page only;
+//! ([`description`]), tifffile its axes ([`shaped`]), MetaMorph how many planes follow a page ([`metamorph`]). ImageJ writes stacks beyond 4 GiB with a directory for the first page only;
 //! the samples of the others follow it.
 
 mod decode;
 mod description;
 mod directory;
+mod lengths;
+mod metamorph;
+mod shaped;
+mod source;
 
 use super::block::{self, Block, Endian};
+use super::stored::Stored;
 use super::{Bytes, Input, Loaded, ReadOptions, unoriented};
 use crate::error::{Error, ErrorKind};
 use crate::{Grid, Metadata, Modality, Rescale, SampleType, Samples, Volume};
@@ -28,7 +33,7 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error
     let mut notes = Vec::new();
     let first = file.first()?;
     same_pages(&file.pages)?;
-    let described = Description::parse(&file.description, file.resolution);
+    let described = described(&file);
     note_photometric(first, described.as_ref(), &mut notes)?;
     if file.reduced > 0 {
         notes.push(format!(
@@ -47,8 +52,8 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error
         ));
     }
 
-    let dims = [first.width, first.height, order.slices];
-    let of_file = described.as_ref().and_then(|d| d.spacing_mm(&mut notes));
+    let dims = [first.width, first.height, order.slices * first.depth];
+    let of_file = spacing_mm(&file, described.as_ref(), &mut notes);
     let (spacing_mm, has_length_unit) = unoriented::spacing_mm(options, of_file);
     let grid = unoriented::grid(dims, spacing_mm)?;
     let mut samples = Samples::new(first.sample_type);
@@ -57,6 +62,8 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error
         let image = order.image(slice, options.time_index);
         images.append(image, input.bytes, file.endian, &mut samples)?;
     }
+
+    let samples = first.stored.kept_of_bits(samples, &mut notes)?;
 
     let mut entries = Vec::new();
     if described.is_none() && !file.description.is_empty() {
@@ -69,9 +76,9 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error
         Metadata {
             name: input.name.to_owned(),
             format: if file.big { "BigTIFF" } else { "TIFF" }.into(),
-            modality: described
-                .filter(|d| d.writer == Writer::Ome)
-                .map(|_| Modality::Microscopy),
+            modality: (file.metamorph.is_some()
+                || described.is_some_and(|d| d.writer == Writer::Ome))
+            .then_some(Modality::Microscopy),
             has_length_unit,
             time_points: order.times,
             time_index: options.time_index,
@@ -98,22 +105,41 @@ pub(crate) struct Slice {
 pub(crate) fn read_slice(bytes: &dyn Bytes, notes: &mut Vec<String>) -> Result<Slice, Error> {
     let file = Directories::read(bytes)?;
     let page = file.first()?;
-    if file.pages.len() > 1 {
+    let planes = file.metamorph.as_ref().map_or(1, |found| found.planes);
+    let slices = (file.pages.len() * page.depth).max(planes);
+    if slices > 1 {
         return Err(ErrorKind::Slices(format!(
-            "it has {} pages; a slice of a sequence has one. Name the file alone to read it as a stack",
-            file.pages.len()
+            "it has {slices} pages; a slice of a sequence has one. Name the file alone to read it as a stack"
         ))
         .into());
     }
-    let described = Description::parse(&file.description, file.resolution);
+    let described = described(&file);
     note_photometric(page, described.as_ref(), notes)?;
     let mut samples = Samples::new(page.sample_type);
     decode::append(page, bytes, file.endian, &mut samples)?;
     Ok(Slice {
         dims: [page.width, page.height],
-        samples,
-        spacing_mm: described.and_then(|d| d.spacing_mm(notes)),
+        samples: page.stored.kept_of_bits(samples, notes)?,
+        spacing_mm: spacing_mm(&file, described.as_ref(), notes),
     })
+}
+
+/// What the program that wrote the file says of its pages.
+fn described(file: &Directories) -> Option<Description> {
+    let known = Description::parse(&file.description, file.resolution);
+    known.or_else(|| shaped::parse(&file.description))
+}
+
+/// Distance between voxel centres and whether it has a length unit, if the file says anything of it.
+fn spacing_mm(
+    file: &Directories,
+    described: Option<&Description>,
+    notes: &mut Vec<String>,
+) -> Option<([f64; 3], bool)> {
+    match &file.metamorph {
+        Some(found) => found.spacing_mm(notes),
+        None => described?.spacing_mm(notes),
+    }
 }
 
 fn same_pages(pages: &[Page]) -> Result<(), Error> {
@@ -133,7 +159,15 @@ fn same_pages(pages: &[Page]) -> Result<(), Error> {
 }
 
 fn shape_text(page: &Page) -> String {
-    format!("{} x {} {}", page.width, page.height, page.sample_type)
+    let depth = match page.depth {
+        1 => String::new(),
+        depth => format!(" x {depth}"),
+    };
+    let kind = match page.stored {
+        Stored::Kept(kept) => kept.to_string(),
+        other => format!("{other:?}").to_lowercase(),
+    };
+    format!("{} x {}{depth} {kind}", page.width, page.height)
 }
 
 /// Stored numbers are values, whatever shade they were shown in.
@@ -188,15 +222,18 @@ impl<'a> Images<'a> {
         notes: &mut Vec<String>,
     ) -> Result<Images<'a>, Error> {
         let pages = Images::Pages(&file.pages);
-        let Some(promised) = described
-            .filter(|d| d.writer == Writer::ImageJ)
-            .and_then(|d| d.images)
-        else {
+        let (writer, promised) = match (&file.metamorph, described) {
+            (Some(found), _) => ("MetaMorph", Some(found.planes)),
+            (None, Some(described)) => match described.writer {
+                Writer::ImageJ => ("ImageJ", described.images),
+                Writer::Tifffile => ("tifffile", described.images),
+                Writer::Ome => ("OME", None),
+            },
+            (None, None) => ("", None),
+        };
+        let Some(promised) = promised.filter(|n| *n != file.pages.len()) else {
             return Ok(pages);
         };
-        if promised == file.pages.len() {
-            return Ok(pages);
-        }
         if let ([page], Some(offset)) = (file.pages.as_slice(), file.pages[0].contiguous()) {
             let samples = page.width * page.height;
             let image_bytes = (samples * page.sample_type.size()) as u64;
@@ -210,17 +247,24 @@ impl<'a> Images<'a> {
                     sample_type: page.sample_type,
                 });
             }
-            if found / image_bytes > 1 {
+            if found / image_bytes > 1 || file.metamorph.is_some() {
                 return Err(ErrorKind::Truncated {
-                    what: format!("the stack of {promised} images (ImageJ's `images`)"),
+                    what: format!("the stack of {promised} images (as {writer} says)"),
                     expected,
                     found,
                 }
                 .into());
             }
         }
+        if file.metamorph.is_some() && file.pages.len() == 1 {
+            return Err(ErrorKind::Unsupported {
+                feature: format!("a packed MetaMorph stack of {promised} planes"),
+                instead: "save it without compression".into(),
+            }
+            .into());
+        }
         notes.push(format!(
-            "ImageJ's description promises {promised} images, {} are there",
+            "{writer}'s description promises {promised} images, {} are there",
             file.pages.len()
         ));
         Ok(pages)
@@ -295,6 +339,11 @@ impl Order {
                 ));
             }
             return Ok(all_slices);
+        }
+        if described.is_guessed {
+            notes.push(format!(
+                "the array has four axes without names; they are taken as {times} times of {slices} slices"
+            ));
         }
         if slices == 1 && times > 1 {
             notes.push(format!(

@@ -20,6 +20,7 @@ pub(crate) fn read(
     read_kind: &ReadKind,
 ) -> Result<Loaded, Error> {
     let unpacked = Unpacked::new(input.bytes, encoding)?;
+    let packed_name = input.name;
     let lower = input.name.to_ascii_lowercase();
     let name = [".gz", ".bz2"]
         .iter()
@@ -35,13 +36,41 @@ pub(crate) fn read(
     match sniff::kind(&unpacked)? {
         // These jump about in the file, which a packed one does not allow.
         Some(kind @ (Kind::Tiff | Kind::Dicom | Kind::MaybeDicom | Kind::Png)) => {
-            Err(ErrorKind::Unsupported {
-                feature: format!("{kind:?} inside {encoding:?}"),
-                instead: "unpack the file first".into(),
-            }
-            .into())
+            let whole = unpacked.whole()?;
+            // A file of a series is known by its own name.
+            let name = match kind {
+                Kind::Dicom | Kind::MaybeDicom => packed_name,
+                _ => name,
+            };
+            let input = Input {
+                name,
+                bytes: &whole,
+                ..input
+            };
+            read_kind(Some(kind), &input)
         }
         kind => read_kind(kind, &input),
+    }
+}
+
+/// All bytes of a file that is packed with gzip, if the first unpacked ones are wanted. `None` for all others.
+///
+/// # Errors
+/// Damaged data, more of it than fits, or what the system says.
+#[cfg(feature = "dicom")]
+pub(crate) fn whole_if(
+    bytes: &dyn Bytes,
+    is_wanted: impl Fn(&dyn Bytes) -> bool,
+) -> Result<Option<Vec<u8>>, Error> {
+    let Some(Kind::Packed(encoding @ Encoding::Gzip)) = sniff::kind(bytes)? else {
+        return Ok(None);
+    };
+    let Ok(head) = block::head(bytes, 0, encoding, sniff::HEAD_BYTES) else {
+        return Ok(None);
+    };
+    match is_wanted(&head) {
+        true => Ok(Some(Unpacked::new(bytes, encoding)?.whole()?)),
+        false => Ok(None),
     }
 }
 
@@ -76,6 +105,27 @@ impl<'a> Unpacked<'a> {
                 position: 0,
             }),
         })
+    }
+}
+
+/// The most that a file may unpack to where all of it has to be in memory.
+const MOST_BYTES: u64 = 1 << 31;
+
+impl Unpacked<'_> {
+    /// All bytes. Their number was counted, not read in a header.
+    fn whole(&self) -> Result<Vec<u8>, Error> {
+        if self.len > MOST_BYTES {
+            return Err(Error::field(
+                "the unpacked size",
+                format!("{} bytes", self.len),
+                format!("up to {MOST_BYTES} bytes for this format; unpack the file first"),
+            ));
+        }
+        let mut all = Vec::new();
+        block::reserve(&mut all, self.len as usize)?;
+        all.resize(self.len as usize, 0);
+        self.read_at(0, &mut all)?;
+        Ok(all)
     }
 }
 

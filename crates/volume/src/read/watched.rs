@@ -39,6 +39,11 @@ impl Files for Watched<'_> {
         self.files.names()
     }
 
+    fn names_below(&self) -> io::Result<Vec<String>> {
+        self.check()?;
+        self.files.names_below()
+    }
+
     fn open(&self, name: &str) -> io::Result<Box<dyn Bytes + '_>> {
         self.check()?;
         let bytes = self.files.open(name)?;

@@ -1,6 +1,6 @@
 //! DICOM files of all shapes, built element by element.
 
-use crate::{assert_affine, message, read, read_with};
+use crate::{assert_affine, gzip, message, read, read_with};
 use glam::{DAffine3, DMat3, DVec3};
 use strahl_volume::read::{Loaded, MemoryFiles, ReadOptions, read_folder};
 use strahl_volume::{Error, Samples};
@@ -612,4 +612,105 @@ fn the_missing_part_of_the_place_is_named() {
         let found = message(&[("a.dcm", &set.file())]);
         assert!(found.contains(&format!("{name} is missing")), "{found}");
     }
+}
+
+/// Three slices in folders as on a CD, and the directory that names them in capitals.
+fn disk() -> MemoryFiles {
+    let mut files = MemoryFiles::new();
+    let mut records = Vec::new();
+    for k in 0..3u16 {
+        let mut set = image(1, 1, &[k]);
+        set.text(POSITION, b"DS", &format!("0\\0\\{}", 2 * k));
+        files.insert(format!("images/s1/im{k}"), set.file());
+        let mut record = Set::default();
+        record.text((4, 0x1430), b"CS", "IMAGE").text(
+            (4, 0x1500),
+            b"CS",
+            &format!("IMAGES\\S1\\IM{k}"),
+        );
+        records.push(record);
+    }
+    let mut directory = Set::default();
+    directory.sequence((4, 0x1220), &records);
+    files.insert("DICOMDIR".into(), directory.file());
+    files.insert("autorun.inf".into(), b"[autorun]".to_vec());
+    files
+}
+
+#[test]
+fn folders_of_a_disk_are_walked() {
+    let mut files = disk();
+    let options = ReadOptions::default();
+    let loaded = read_folder("disk", &files, &options).unwrap();
+    assert_eq!(samples(&loaded), [0, 1, 2]);
+    assert!(
+        loaded.notes[0].contains("images/s1/im0"),
+        "{:?}",
+        loaded.notes
+    );
+    assert_eq!(
+        strahl_volume::read::dicom::list_series(&files)
+            .unwrap()
+            .len(),
+        1
+    );
+    // The directory says which files count.
+    let mut other = image(1, 1, &[9]);
+    other.text((0x20, 0x0E), b"UI", "1.2.4");
+    files.insert("images/s2/im0".into(), other.file());
+    let directory =
+        |files: &MemoryFiles| strahl_volume::read::read_file("DICOMDIR", files, &options);
+    assert_eq!(samples(&directory(&files).unwrap()), [0, 1, 2]);
+    let several = read_folder("disk", &files, &options)
+        .unwrap_err()
+        .to_string();
+    assert!(several.contains("there are 2 series"), "{several}");
+    files.remove("images/s1/im2");
+    let loaded = directory(&files).unwrap();
+    assert_eq!(samples(&loaded), [0, 1]);
+    assert!(
+        loaded
+            .notes
+            .iter()
+            .any(|note| note.contains("1 of the 3 files"))
+    );
+    files.retain(|name, _| !name.contains('/'));
+    let missing = directory(&files).unwrap_err().to_string();
+    assert!(missing.contains("`IMAGES/S1/IM0` and 2 more"), "{missing}");
+    let nothing = read_folder("disk", &files, &options)
+        .unwrap_err()
+        .to_string();
+    assert!(
+        nothing.contains("no file here is a DICOM image"),
+        "{nothing}"
+    );
+    // Folders without images are named.
+    let files = MemoryFiles::from([("a/x.txt".to_owned(), vec![1]), ("b/y".to_owned(), vec![2])]);
+    let folders = read_folder("disk", &files, &options)
+        .unwrap_err()
+        .to_string();
+    assert!(folders.contains("name one of them: a, b"), "{folders}");
+}
+
+#[test]
+fn packed_files_make_a_series() {
+    let files: MemoryFiles = (0..3u16)
+        .map(|k| {
+            let mut set = image(1, 1, &[k]);
+            set.text(POSITION, b"DS", &format!("0\\0\\{k}"));
+            (format!("{k}.dcm.gz"), gzip(&set.file()))
+        })
+        .collect();
+    let options = ReadOptions::default();
+    assert_eq!(
+        samples(&read_folder("series", &files, &options).unwrap()),
+        [0, 1, 2]
+    );
+    let loaded = strahl_volume::read::read_file("1.dcm.gz", &files, &options).unwrap();
+    assert_eq!(samples(&loaded), [0, 1, 2]);
+    assert!(
+        loaded.notes[0].contains("1.dcm.gz is one of 3 files"),
+        "{:?}",
+        loaded.notes
+    );
 }

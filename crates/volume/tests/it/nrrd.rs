@@ -256,7 +256,6 @@ fn wrong_headers_are_refused_with_the_field_named() {
         (change("NRRD0004", "NRRD0009"), "NRRD0001"),
         (change("type: short\n", ""), "type is missing"),
         (change("type: short", "type: quad"), "type is `quad`"),
-        (change("type: short", "type: long long"), "type long long"),
         (change("type: short", "type: block"), "block"),
         (change("dimension: 3\n", ""), "dimension is missing"),
         (change("dimension: 3", "dimension: 99"), "dimension is 99"),
@@ -359,4 +358,82 @@ fn wrong_headers_are_refused_with_the_field_named() {
     }
     let message = message(&[("v.nrrd", base.as_bytes())]);
     assert!(message.contains("empty line"), "{message}");
+}
+
+#[test]
+fn samples_at_the_end_of_a_packed_file() {
+    let header = b"NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 3 1\nencoding: gzip\nbyte skip: -1\ndata file: v.gz\n";
+    for before in [0, 1, 352, 100_000] {
+        let whole = [vec![9; before], (1..=6).collect()].concat();
+        let loaded = read(&[("v.nhdr", &header[..]), ("v.gz", &gzip(&whole))]).unwrap();
+        assert_eq!(
+            *loaded.volume.samples(),
+            Samples::U8((1..=6).collect()),
+            "{before}"
+        );
+    }
+    let short = message(&[("v.nhdr", &header[..]), ("v.gz", &gzip(&[1, 2, 3]))]);
+    assert!(short.contains("promises 6 bytes, 3 are there"), "{short}");
+}
+
+#[test]
+fn images_of_four_dimensions_as_itk_writes_them() {
+    let start = "NRRD0004\ntype: uint8\ndimension: 4\nsizes: 2 3 1 2\nencoding: raw\nkinds: domain domain domain domain\n";
+    let placed = "space dimension: 4\nspace directions: (2,0,0,0) (0,3,0,0) (0,0,4,0) (0,0,0,1.5)\nspace origin: (-10,20,5,0)\n";
+    for (rest, scale) in [
+        (placed, DVec3::new(-2.0, -3.0, 4.0)),
+        ("spacings: 2 3 4 1.5\n", DVec3::new(-2.0, -3.0, 4.0)),
+    ] {
+        let file = attached(&format!("{start}{rest}"), &(0..12).collect::<Vec<u8>>());
+        let options = ReadOptions {
+            time_index: 1,
+            ..ReadOptions::default()
+        };
+        let loaded = read_with(&[("v.nrrd", &file)], &options).unwrap();
+        assert_eq!(*loaded.volume.samples(), Samples::U8((6..12).collect()));
+        assert_eq!(loaded.volume.metadata().time_points, 2);
+        let found = loaded.volume.grid().world_from_voxel();
+        assert_eq!(found.matrix3, DMat3::from_diagonal(scale));
+        if rest == placed {
+            assert_eq!(found.translation, DVec3::new(10.0, -20.0, 5.0));
+        }
+    }
+}
+
+#[test]
+fn an_origin_that_is_not_known_is_zero_with_a_note() {
+    let rest = "space: LPS\nspace directions: (2,0,0) (0,2,0) (0,0,3)\n";
+    let header = format!("{U8}{rest}space origin: (nan,NaN, nan)\n");
+    let loaded = read(&[("v.nrrd", &attached(&header, &[1, 2, 3, 4, 5, 6]))]).unwrap();
+    assert_eq!(
+        loaded.volume.grid().world_from_voxel().translation,
+        DVec3::ZERO
+    );
+    assert!(
+        loaded.notes[0].contains("space origin"),
+        "{:?}",
+        loaded.notes
+    );
+    let half = format!("{U8}{rest}space origin: (nan,1,2)\n");
+    assert!(message(&[("v.nrrd", &attached(&half, &[1, 2, 3, 4, 5, 6]))]).contains("finite"));
+    let marked = [b"\xEF\xBB\xBF", &attached(U8, &[1, 2, 3, 4, 5, 6])[..]].concat();
+    assert_eq!(
+        *read(&[("v.nrrd", &marked)]).unwrap().volume.samples(),
+        Samples::U8((1..=6).collect())
+    );
+}
+
+#[test]
+fn whole_numbers_of_64_bits_are_read_where_they_fit() {
+    for (name, least) in [
+        ("int64", -3i64),
+        ("long long", -3),
+        ("unsigned long long", 0),
+    ] {
+        let header = U8.replace("uint8", name) + "endian: little\n";
+        let data: Vec<u8> = (least..least + 6).flat_map(|v| v.to_le_bytes()).collect();
+        let loaded = read(&[("v.nrrd", &attached(&header, &data))]).unwrap();
+        let expected = (least as i32..least as i32 + 6).collect();
+        assert_eq!(*loaded.volume.samples(), Samples::I32(expected), "{name}");
+    }
 }

@@ -4,7 +4,7 @@ use crate::{gzip, message, read, read_with};
 use glam::DVec3;
 use std::io::Write;
 use strahl_volume::read::ReadOptions;
-use strahl_volume::{Modality, SampleType, Samples};
+use strahl_volume::{Modality, Samples};
 
 const BYTE: u16 = 1;
 const TEXT: u16 = 2;
@@ -468,10 +468,10 @@ fn tags_that_lie_are_refused() {
             page().set(258, SHORT, &[13]).set(339, SHORT, &[2]),
             "13 bits, signed",
         ),
-        (page().set(258, SHORT, &[64]), "64 bits, unsigned"),
+        (page().set(258, SHORT, &[24]), "24 bits, unsigned"),
         (
-            page().set(258, SHORT, &[16]).set(339, SHORT, &[3]),
-            "16 bits, floating point",
+            page().set(258, SHORT, &[24]).set(339, SHORT, &[3]),
+            "24 bits, floating point",
         ),
         (page().set(259, SHORT, &[7]), "method JPEG"),
         (page().set(259, SHORT, &[999]), "method number 999"),
@@ -532,15 +532,259 @@ fn pages_cannot_share_their_data_to_fill_memory() {
     assert!(error.contains("the data of the pages"), "{error}");
 }
 
-#[test]
-fn a_packed_stack_is_refused_with_advice() {
-    let error = message(&[("v.tif.gz", &gzip(&small()))]);
-    assert!(error.contains("unpack"), "{error}");
-    let loaded = read(&[("v.tif", &small())]).unwrap();
-    assert_eq!(loaded.volume.sample_type(), SampleType::U8);
-}
-
 /// One page of 2 × 3 u8.
 pub(crate) fn slice(data: &[u8; 6]) -> Vec<u8> {
     Tiff::new(vec![Page::new(2, 3, 8, 1, data)]).bytes()
+}
+
+#[test]
+fn the_last_row_of_an_lzw_strip_comes_out() {
+    // 16 rows of 2 pixels in one strip, packed by libtiff through tifffile.
+    let packed = [
+        0x80, 0x3f, 0xe0, 0x40, 0x08, 0x24, 0x16, 0x05, 0x07, 0x84, 0x40, 0xe0, 0x60, 0x08, 0x54,
+        0x0e, 0x02,
+    ];
+    let page = Page::new(2, 16, 8, 1, &packed).set(259, SHORT, &[5]);
+    let expected = [
+        255, 255, 255, 0, 0, 0, 0, 0, 0, 255, 255, 255, 255, 255, 255, 255, 255, 255, 255, 255, 0,
+        255, 255, 0, 0, 255, 255, 0, 255, 255, 255, 0,
+    ];
+    assert_eq!(
+        samples(&Tiff::new(vec![page]).bytes()),
+        Samples::U8(expected.to_vec())
+    );
+    // Rows of all lengths, strings of all lengths.
+    for width in [1, 2, 3, 5, 64, 300] {
+        let rows = 40;
+        let data: Vec<u8> = (0..width * rows).map(|i| (i / 7 % 3) as u8).collect();
+        let packed = weezl::encode::Encoder::with_tiff_size_switch(weezl::BitOrder::Msb, 8)
+            .encode(&data)
+            .unwrap();
+        let page = Page::new(width, rows, 8, 1, &packed).set(259, SHORT, &[5]);
+        assert_eq!(
+            samples(&Tiff::new(vec![page]).bytes()),
+            Samples::U8(data),
+            "{width}"
+        );
+    }
+}
+
+#[test]
+fn bits_may_lie_the_other_way_round() {
+    let numbers: Vec<u16> = (0..20).map(|i| 1000 * i).collect();
+    let plain: Vec<u8> = numbers.iter().flat_map(|n| n.to_le_bytes()).collect();
+    let turned = |data: &[u8]| {
+        data.iter()
+            .map(|byte| byte.reverse_bits())
+            .collect::<Vec<_>>()
+    };
+    for (method, data) in [(1, turned(&plain)), (8, turned(&deflate(&plain)))] {
+        let page = Page::new(5, 4, 16, 1, &data)
+            .set(259, SHORT, &[method])
+            .set(266, SHORT, &[2]);
+        assert_eq!(
+            samples(&Tiff::new(vec![page]).bytes()),
+            Samples::U16(numbers.clone())
+        );
+    }
+    let page = Page::new(3, 2, 1, 1, &[0b0000_0101, 0b0000_0110]).set(266, SHORT, &[2]);
+    assert_eq!(
+        samples(&Tiff::new(vec![page]).bytes()),
+        Samples::U8(vec![1, 0, 1, 0, 1, 1])
+    );
+}
+
+#[test]
+fn tiles_may_have_a_depth() {
+    let dims = [37u64, 21, 19];
+    let value = |x: u64, y: u64, z: u64| (x + 37 * (y + 21 * z)) as u16;
+    let expected: Vec<u16> = (0..19)
+        .flat_map(|z| (0..21).flat_map(move |y| (0..37).map(move |x| value(x, y, z))))
+        .collect();
+    let tile = |x0: u64, y0: u64, z0: u64, [w, h, d]: [u64; 3]| -> Vec<u8> {
+        let mut data = Vec::new();
+        for z in z0..z0 + d {
+            for y in y0..y0 + h {
+                for x in x0..x0 + w {
+                    let inside = x < 37 && y < 21 && z < 19;
+                    data.extend(if inside { value(x, y, z) } else { 0 }.to_le_bytes());
+                }
+            }
+        }
+        data
+    };
+    for size in [[16, 16, 16], [16, 16, 1], [48, 32, 8]] {
+        for method in [1, 8] {
+            let mut page = Page::new(dims[0], dims[1], 16, 1, &[])
+                .set(259, SHORT, &[method])
+                .set(32997, LONG, &[dims[2]])
+                .set(322, SHORT, &[size[0]])
+                .set(323, SHORT, &[size[1]])
+                .set(32998, LONG, &[size[2]]);
+            page.tiled = true;
+            page.chunks.clear();
+            for z in (0..dims[2]).step_by(size[2] as usize) {
+                for y in (0..dims[1]).step_by(size[1] as usize) {
+                    for x in (0..dims[0]).step_by(size[0] as usize) {
+                        let data = tile(x, y, z, size);
+                        page.chunks
+                            .push(if method == 1 { data } else { deflate(&data) });
+                    }
+                }
+            }
+            let file = Tiff::new(vec![page]).bytes();
+            let loaded = read(&[("v.tif", &file)]).unwrap();
+            assert_eq!(loaded.volume.grid().dims(), [37, 21, 19]);
+            assert_eq!(
+                *loaded.volume.samples(),
+                Samples::U16(expected.clone()),
+                "{size:?}"
+            );
+        }
+    }
+}
+
+/// A MetaMorph stack of 3 planes of 2×1; tables behind the samples.
+fn metamorph(heights: [u32; 3], calibrated: bool) -> Vec<u8> {
+    let mut data: Vec<u8> = vec![1, 2, 3, 4, 5, 6];
+    // The samples come first in the file, behind 8 bytes of header.
+    let table = |data: &mut Vec<u8>, numbers: &[u32]| {
+        let at = 8 + data.len() as u64;
+        data.extend(numbers.iter().flat_map(|n| n.to_le_bytes()));
+        at
+    };
+    let planes: Vec<u32> = heights.iter().flat_map(|h| [*h, 2, 0, 0, 0, 0]).collect();
+    let uic2 = table(&mut data, &planes);
+    let x = table(&mut data, &[1, 2]) as u32;
+    let y = table(&mut data, &[1, 4]) as u32;
+    let unit = table(&mut data, &[2, u32::from_le_bytes(*b"um\0\0")]) as u32;
+    let pairs = [3, u32::from(calibrated), 4, x, 5, y, 6, unit];
+    let uic1 = table(&mut data, &pairs);
+    let page = Page::new(2, 1, 8, 1, &data)
+        .set(279, LONG, &[2])
+        .set(33628, LONG, &[uic1])
+        .set(33629, RATIONAL, &[uic2, 0]);
+    let mut file = Tiff::new(vec![page]).bytes();
+    // The counts and places of these entries follow rules of their own.
+    for (tag, count, at) in [(33628u16, 4u32, uic1), (33629, 3, uic2)] {
+        let entry = file
+            .windows(2)
+            .rposition(|bytes| bytes == tag.to_le_bytes())
+            .unwrap();
+        file[entry + 4..entry + 8].copy_from_slice(&count.to_le_bytes());
+        file[entry + 8..entry + 12].copy_from_slice(&(at as u32).to_le_bytes());
+    }
+    file
+}
+
+#[test]
+fn planes_of_metamorph_follow_their_one_page() {
+    let loaded = read(&[("v.stk", &metamorph([4, 4, 4], true))]).unwrap();
+    assert_eq!(loaded.volume.grid().dims(), [2, 1, 3]);
+    assert_eq!(
+        *loaded.volume.samples(),
+        Samples::U8(vec![1, 2, 3, 4, 5, 6])
+    );
+    let spacing = loaded.volume.grid().spacing_mm();
+    assert!(
+        (spacing - DVec3::new(0.0005, 0.00025, 0.002)).length() < 1e-12,
+        "{spacing}"
+    );
+    assert!(loaded.volume.metadata().has_length_unit && loaded.notes.is_empty());
+
+    let loaded = read(&[("v.stk", &metamorph([4, 4, 6], false))]).unwrap();
+    assert_eq!(loaded.volume.grid().spacing_mm(), DVec3::new(1.0, 1.0, 2.0));
+    assert_eq!(loaded.notes.len(), 2, "{:?}", loaded.notes);
+
+    let mut cut = metamorph([4, 4, 4], true);
+    // Fewer bytes than planes: the strip begins near the end.
+    let strip = cut
+        .windows(2)
+        .rposition(|bytes| bytes == 273u16.to_le_bytes())
+        .unwrap();
+    let late = cut.len() as u32 - 4;
+    cut[strip + 8..strip + 12].copy_from_slice(&late.to_le_bytes());
+    assert!(message(&[("v.stk", &cut)]).contains("MetaMorph"));
+}
+
+#[test]
+fn the_shape_that_tifffile_writes_is_kept() {
+    let file = |text: &str, pages: u8| {
+        let mut all = u8_pages(pages);
+        all[0] = all[0].clone().describe(text);
+        Tiff::new(all).bytes()
+    };
+    let time = |file: &[u8], time_index| {
+        let options = ReadOptions {
+            time_index,
+            ..ReadOptions::default()
+        };
+        read_with(&[("v.tif", file)], &options)
+    };
+    let first = |loaded: &strahl_volume::read::Loaded| {
+        (0..loaded.volume.grid().dims()[2])
+            .map(|z| loaded.volume.value(0, 0, z))
+            .collect::<Vec<_>>()
+    };
+    for (text, expected) in [
+        (
+            r#"{"shape": [2, 3, 2, 3], "axes": "TZYX"}"#,
+            [30.0, 40.0, 50.0],
+        ),
+        (
+            r#"{"shape": [3, 2, 2, 3], "axes": "ZTYX"}"#,
+            [10.0, 30.0, 50.0],
+        ),
+        (r#"{"shape": [2, 3, 2, 3]}"#, [30.0, 40.0, 50.0]),
+    ] {
+        let loaded = time(&file(text, 6), 1).unwrap();
+        assert_eq!(loaded.volume.metadata().time_points, 2, "{text}");
+        assert_eq!(first(&loaded), expected, "{text}");
+        assert_eq!(loaded.notes.len(), usize::from(!text.contains("axes")));
+    }
+    let channels = file(r#"{"shape": [2, 3, 2, 3], "axes": "CZYX"}"#, 6);
+    assert!(
+        time(&channels, 0)
+            .unwrap_err()
+            .to_string()
+            .contains("channels")
+    );
+    // All samples behind one page, as `truncate` writes them.
+    let page = Page::new(3, 2, 8, 1, &(0..36).collect::<Vec<u8>>())
+        .set(279, LONG, &[6])
+        .describe(r#"{"shape": [2, 3, 2, 3], "axes": "TZYX", "truncated": true}"#);
+    let loaded = time(&Tiff::new(vec![page]).bytes(), 1).unwrap();
+    assert_eq!(*loaded.volume.samples(), Samples::U8((18..36).collect()));
+}
+
+#[test]
+fn half_floats_and_64_bit_numbers_are_read() {
+    let half: Vec<u8> = [0x3C00u16, 0xBE00]
+        .iter()
+        .flat_map(|n| n.to_be_bytes())
+        .collect();
+    let file = Tiff {
+        big_endian: true,
+        big: false,
+        pages: vec![Page::new(2, 1, 16, 3, &half)],
+    };
+    let loaded = read(&[("v.tif", &file.bytes())]).unwrap();
+    assert_eq!(*loaded.volume.samples(), Samples::F32(vec![1.0, -1.5]));
+    // The floating-point predictor: high bytes first, as differences.
+    let packed = deflate(&[0x3C, 0xBE - 0x3C, 0u8.wrapping_sub(0xBE), 0]);
+    let page = Page::new(2, 1, 16, 3, &packed)
+        .set(259, SHORT, &[8])
+        .set(317, SHORT, &[3]);
+    let loaded = read(&[("v.tif", &Tiff::new(vec![page]).bytes())]).unwrap();
+    assert_eq!(*loaded.volume.samples(), Samples::F32(vec![1.0, -1.5]));
+    let long: Vec<u8> = [-5i64, 6].iter().flat_map(|n| n.to_le_bytes()).collect();
+    let loaded = read(&[(
+        "v.tif",
+        &Tiff::new(vec![Page::new(2, 1, 64, 2, &long)]).bytes(),
+    )])
+    .unwrap();
+    assert_eq!(*loaded.volume.samples(), Samples::I32(vec![-5, 6]));
+    // Packed as a whole.
+    let loaded = read(&[("v.tif.gz", &gzip(&small()))]).unwrap();
+    assert_eq!(loaded.volume.grid().dims(), [2, 3, 2]);
 }

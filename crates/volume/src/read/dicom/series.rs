@@ -1,11 +1,11 @@
 //! Series: which DICOM files of a folder belong together, and which of them is meant.
 
-use super::elements::{self, plain_text};
+use super::elements::{self, Elements, plain_text};
 use super::image::Image;
 use super::in_parallel::in_parallel;
 use super::tags;
 use crate::error::{Error, ErrorKind, Remedy};
-use crate::read::{Bytes, Files};
+use crate::read::{Bytes, Files, unpacked};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
@@ -48,20 +48,27 @@ enum Scanned {
     Damaged(Option<String>, Error),
 }
 
-/// Reads the elements of one file. `None`: no pixels.
-pub(super) fn image(name: &str, bytes: &dyn Bytes) -> (Option<Image>, Result<(), Error>) {
-    let (elements, result) = elements::read(bytes);
-    let image = elements.pixels.map(|pixels| Image {
+/// The image of a file whose elements were read. `None`: no pixels.
+pub(super) fn image(name: &str, bytes: &dyn Bytes, elements: Elements) -> Option<Image> {
+    elements.pixels.map(|pixels| Image {
         name: name.to_owned(),
         file_bytes: bytes.len(),
         elements,
         pixels,
-    });
-    (image, result)
+    })
+}
+
+/// Opens a file; one that is packed as a whole is unpacked.
+pub(super) fn open<'a>(files: &'a dyn Files, name: &str) -> Result<Box<dyn Bytes + 'a>, Error> {
+    let bytes = files.open(name)?;
+    match unpacked::whole_if(&*bytes, |head| elements::is_dicom(head))? {
+        Some(whole) => Ok(Box::new(whole)),
+        None => Ok(bytes),
+    }
 }
 
 fn scan_file(name: &str, files: &dyn Files) -> Result<Scanned, Error> {
-    let bytes = files.open(name)?;
+    let bytes = open(files, name)?;
     if !elements::is_dicom(&*bytes) {
         return Ok(Scanned::Foreign);
     }
@@ -70,23 +77,15 @@ fn scan_file(name: &str, files: &dyn Files) -> Result<Scanned, Error> {
         let series = elements.set.text(tags::SERIES_INSTANCE_UID);
         return Ok(Scanned::Damaged(series, error.in_file(name)));
     }
-    Ok(match elements.pixels {
-        None => Scanned::WithoutPixels,
-        Some(pixels) => Scanned::Image(Image {
-            name: name.to_owned(),
-            file_bytes: bytes.len(),
-            elements,
-            pixels,
-        }),
-    })
+    let image = image(name, &*bytes, elements);
+    Ok(image.map_or(Scanned::WithoutPixels, Scanned::Image))
 }
 
-/// Reads the elements of all files.
+/// Reads the elements of the files of these names.
 ///
 /// # Errors
 /// What the system says.
-pub(super) fn scan(files: &dyn Files) -> Result<Scan, Error> {
-    let names = files.names();
+pub(super) fn scan(files: &dyn Files, names: Vec<String>) -> Result<Scan, Error> {
     let mut scanned: Vec<Option<Scanned>> = Vec::new();
     scanned.resize_with(names.len(), || None);
     in_parallel(names.iter().zip(&mut scanned).collect(), |(name, into)| {

@@ -34,6 +34,9 @@ struct Decoding<'a> {
 impl Decoding<'_> {
     fn append<T: Sample>(&self, into: &mut Vec<T>) -> Result<(), Error> {
         let page = self.page;
+        if page.depth > 1 || page.chunk_depth > 1 {
+            return self.append_slices(into);
+        }
         let across = page.width.div_ceil(page.chunk_width);
         let mut row = 0;
         for band in page.chunks.chunks(across) {
@@ -60,6 +63,42 @@ impl Decoding<'_> {
         Ok(())
     }
 
+    /// All slices of a page that has several: a layer of tiles is unpacked, then put together slice by slice.
+    fn append_slices<T: Sample>(&self, into: &mut Vec<T>) -> Result<(), Error> {
+        let page = self.page;
+        let across = page.width.div_ceil(page.chunk_width);
+        let down = page.height.div_ceil(page.chunk_height);
+        let is_tiled = page.chunk_depth > 1 || page.chunk_width != page.width;
+        for (layer, chunks) in page.chunks.chunks(across * down).enumerate() {
+            let slices = page.chunk_depth.min(page.depth - layer * page.chunk_depth);
+            let mut tiles: Vec<Vec<T>> = Vec::new();
+            for (i, chunk) in chunks.iter().enumerate() {
+                let rows = match is_tiled {
+                    true => page.chunk_height * slices,
+                    // The last strip is as long as what is left.
+                    false => page.chunk_height.min(page.height - i * page.chunk_height),
+                };
+                let mut tile = Vec::new();
+                self.append_chunk(*chunk, rows, &mut tile)?;
+                tiles.push(tile);
+            }
+            for slice in 0..slices {
+                for y in 0..page.height {
+                    let row = slice * page.chunk_height + y % page.chunk_height;
+                    reserve(into, page.width)?;
+                    for (i, tile) in tiles[y / page.chunk_height * across..][..across]
+                        .iter()
+                        .enumerate()
+                    {
+                        let width = page.chunk_width.min(page.width - i * page.chunk_width);
+                        into.extend_from_slice(&tile[row * page.chunk_width..][..width]);
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
     /// The first `rows` rows of a strip or tile.
     fn append_chunk<T: Sample>(
         &self,
@@ -69,7 +108,7 @@ impl Decoding<'_> {
     ) -> Result<(), Error> {
         let page = self.page;
         let width = page.chunk_width;
-        if page.compression == Compression::None && page.is_whole_bytes() {
+        if page.compression == Compression::None && page.is_whole_bytes() && !page.is_reversed {
             let block = Block {
                 endian: self.endian,
                 ..Block::raw(self.bytes, chunk.offset)
@@ -107,7 +146,11 @@ impl Decoding<'_> {
     }
 
     fn decoder(&self, chunk: Chunk) -> Result<Box<dyn Read + '_>, Error> {
-        let source = BufReader::new(ByteReader::new(self.bytes, chunk.offset).take(chunk.bytes));
+        let source = Ordered {
+            source: ByteReader::new(self.bytes, chunk.offset).take(chunk.bytes),
+            is_reversed: self.page.is_reversed,
+        };
+        let source = BufReader::new(source);
         Ok(match self.page.compression {
             Compression::None => Box::new(source),
             Compression::Deflate => Box::new(flate2::bufread::ZlibDecoder::new(source)),
@@ -214,21 +257,45 @@ fn undo_floating_point<T: Sample>(packed: &mut [u8], row: &mut [T]) {
     to_native(row, Endian::Big);
 }
 
+/// Stored bytes, with their bits turned round where they lie the other way (as libtiff, before they are unpacked).
+struct Ordered<R> {
+    source: R,
+    is_reversed: bool,
+}
+
+impl<R: Read> Read for Ordered<R> {
+    fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
+        let n = self.source.read(into)?;
+        if self.is_reversed {
+            into[..n]
+                .iter_mut()
+                .for_each(|byte| *byte = byte.reverse_bits());
+        }
+        Ok(n)
+    }
+}
+
 /// LZW as TIFF writes it: codes of 9 to 12 bits, highest bit first, wider one code early.
 struct Lzw<R> {
     source: R,
     decoder: weezl::decode::Decoder,
+    /// What came out and was not asked for yet: the decoder stops for good when it is given a few bytes of room.
+    held: Vec<u8>,
+    next: usize,
     ended: bool,
 }
+
+/// Room for many of the longest strings that a code stands for (4096 bytes).
+const LZW_BYTES: usize = 1 << 16;
 
 impl<R: BufRead> Lzw<R> {
     fn new(source: R) -> Lzw<R> {
         let order = weezl::BitOrder::Msb;
         Lzw {
             source,
-            decoder: weezl::decode::Configuration::with_tiff_size_switch(order, 8)
-                .with_yield_on_full_buffer(true)
-                .build(),
+            decoder: weezl::decode::Decoder::with_tiff_size_switch(order, 8),
+            held: Vec::new(),
+            next: 0,
             ended: false,
         }
     }
@@ -236,8 +303,10 @@ impl<R: BufRead> Lzw<R> {
 
 impl<R: BufRead> Read for Lzw<R> {
     fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
-        while !self.ended && !into.is_empty() {
-            let result = self.decoder.decode_bytes(self.source.fill_buf()?, into);
+        while self.next == self.held.len() && !self.ended && !into.is_empty() {
+            self.held.resize(LZW_BYTES, 0);
+            let stored = self.source.fill_buf()?;
+            let result = self.decoder.decode_bytes(stored, &mut self.held);
             self.source.consume(result.consumed_in);
             match result.status {
                 Ok(weezl::LzwStatus::Ok) => {}
@@ -245,11 +314,13 @@ impl<R: BufRead> Read for Lzw<R> {
                 Ok(weezl::LzwStatus::NoProgress | weezl::LzwStatus::Done) => self.ended = true,
                 Err(error) => return Err(io::Error::new(io::ErrorKind::InvalidData, error)),
             }
-            if result.consumed_out > 0 {
-                return Ok(result.consumed_out);
-            }
+            self.held.truncate(result.consumed_out);
+            self.next = 0;
         }
-        Ok(0)
+        let n = into.len().min(self.held.len() - self.next);
+        into[..n].copy_from_slice(&self.held[self.next..][..n]);
+        self.next += n;
+        Ok(n)
     }
 }
 

@@ -1,4 +1,4 @@
-//! What ImageJ and OME write into a stack's ImageDescription.
+//! What ImageJ and OME write into a stack's ImageDescription; [`shaped`] has what tifffile does.
 //!
 //! ```text
 //! ImageJ=1.53t        <OME …><Image …><Pixels DimensionOrder="XYZCT" SizeZ="5" SizeC="1" SizeT="1"
@@ -12,10 +12,14 @@
 //!
 //! ImageJ keeps the distance of pixels as resolution: pixels per `unit`.
 
+use super::lengths::mm_per;
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Writer {
     ImageJ,
     Ome,
+    /// The Python library.
+    Tifffile,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -28,12 +32,29 @@ pub(super) struct Description {
     pub(super) times: usize,
     /// Whether the time points of one slice follow each other.
     pub(super) time_is_faster: bool,
+    /// Whether the file does not say which axis is time.
+    pub(super) is_guessed: bool,
     /// Along x, y, z, in mm per `unit` where one is known.
     spacing: [Option<f64>; 3],
     has_unit: bool,
 }
 
 impl Description {
+    /// One slice of which nothing is said.
+    pub(super) fn of_writer(writer: Writer) -> Description {
+        Description {
+            writer,
+            images: None,
+            channels: 1,
+            slices: 1,
+            times: 1,
+            time_is_faster: false,
+            is_guessed: false,
+            spacing: [None; 3],
+            has_unit: false,
+        }
+    }
+
     /// Nothing if neither of the two wrote it.
     pub(super) fn parse(text: &str, resolution: Option<[f64; 2]>) -> Option<Description> {
         if text.starts_with("ImageJ=") {
@@ -90,6 +111,7 @@ fn imagej(text: &str, resolution: Option<[f64; 2]>) -> Description {
         }),
         times: times.unwrap_or(1),
         time_is_faster: false,
+        is_guessed: false,
         spacing: if says_something {
             [x, y, positive(depth.unwrap_or(1.0) * unit)]
         } else {
@@ -132,6 +154,7 @@ fn ome(text: &str) -> Option<Description> {
         slices: count("SizeZ").unwrap_or(1),
         times: count("SizeT").unwrap_or(1),
         time_is_faster: order.find('T') < order.find('Z'),
+        is_guessed: false,
         spacing,
         has_unit,
     })
@@ -139,22 +162,6 @@ fn ome(text: &str) -> Option<Description> {
 
 fn positive(value: f64) -> Option<f64> {
     Some(value).filter(|v| v.is_finite() && *v > 0.0)
-}
-
-/// Millimetres in a unit of length, in the spellings of ImageJ and OME.
-fn mm_per(unit: &str) -> Option<f64> {
-    Some(match unit {
-        "m" | "meter" | "metre" => 1e3,
-        "cm" => 10.0,
-        "mm" => 1.0,
-        "micron" | "microns" | "micrometer" | "um" | "\u{b5}m" | "\u{3bc}m" | "\\u00B5m"
-        | "\\u00b5m" | "&#181;m" | "&#xB5;m" | "&#xb5;m" => 1e-3,
-        "nm" | "nanometer" => 1e-6,
-        "pm" => 1e-9,
-        "\u{c5}" | "\u{212b}" | "angstrom" => 1e-7,
-        "inch" | "in" => 25.4,
-        _ => return None,
-    })
 }
 
 #[cfg(test)]

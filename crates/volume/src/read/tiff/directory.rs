@@ -6,9 +6,12 @@
 //! | 12 each | 20 each | entry: tag (2), type (2), count (4, 8), value or its position (4, 8) |
 //! | 4       | 8       | position of the next directory, 0 after the last                     |
 
+use super::metamorph::{self, MetaMorph};
+use super::source::{Source, integer};
 use crate::error::{Error, ErrorKind};
 use crate::read::Bytes;
 use crate::read::block::Endian;
+use crate::read::stored::Stored;
 use crate::{Grid, SampleType};
 use std::collections::HashSet;
 
@@ -25,6 +28,8 @@ pub(super) struct Directories {
     pub(super) resolution: Option<[f64; 2]>,
     /// Bytes that the pages take in the file.
     pub(super) stored_bytes: u64,
+    /// What MetaMorph says of the planes behind the first page.
+    pub(super) metamorph: Option<MetaMorph>,
 }
 
 /// One picture.
@@ -33,14 +38,22 @@ pub(super) struct Page {
     pub(super) number: usize,
     pub(super) width: usize,
     pub(super) height: usize,
+    /// Slices behind one another in this page (SGI's ImageDepth).
+    pub(super) depth: usize,
+    /// The type that is read.
     pub(super) sample_type: SampleType,
+    /// What its bits mean.
+    pub(super) stored: Stored,
     pub(super) bits: u32,
+    /// Whether the bits of each stored byte are the other way round (FillOrder 2).
+    pub(super) is_reversed: bool,
     pub(super) photometric: Photometric,
     pub(super) compression: Compression,
     pub(super) predictor: Predictor,
     /// Size of a strip (as wide as the page) or of a tile.
     pub(super) chunk_width: usize,
     pub(super) chunk_height: usize,
+    pub(super) chunk_depth: usize,
     pub(super) chunks: Vec<Chunk>,
 }
 
@@ -97,6 +110,10 @@ mod tag {
     pub(super) const TILE_OFFSETS: u16 = 324;
     pub(super) const TILE_BYTE_COUNTS: u16 = 325;
     pub(super) const SAMPLE_FORMAT: u16 = 339;
+    pub(super) const IMAGE_DEPTH: u16 = 32997;
+    pub(super) const TILE_DEPTH: u16 = 32998;
+    pub(super) const UIC1: u16 = 33628;
+    pub(super) const UIC2: u16 = 33629;
 }
 
 impl Directories {
@@ -110,6 +127,7 @@ impl Directories {
             description: String::new(),
             resolution: None,
             stored_bytes: 0,
+            metamorph: None,
         };
         let mut seen = HashSet::new();
         let mut next = source.first_directory()?;
@@ -129,7 +147,7 @@ impl Directories {
                     format!("at most {}", Grid::MAX_EDGE),
                 ));
             }
-            let directory = source.directory(next, number)?;
+            let directory = directory(&source, next, number)?;
             next = directory.next;
             // Bit 0: a smaller copy of another page; bit 2: a mask of one.
             if directory.number(tag::NEW_SUBFILE_TYPE)?.unwrap_or(0) & 5 != 0 {
@@ -142,6 +160,7 @@ impl Directories {
                 let [x, y] = [tag::X_RESOLUTION, tag::Y_RESOLUTION]
                     .map(|tag| directory.positive_real(tag).ok().flatten());
                 file.resolution = x.zip(y).map(|(x, y)| [x, y]);
+                file.metamorph = directory.metamorph()?;
             }
             for chunk in &page.chunks {
                 file.stored_bytes = file.stored_bytes.saturating_add(chunk.bytes);
@@ -173,8 +192,8 @@ impl Directories {
 
 impl Page {
     /// Pages of one stack agree in these.
-    pub(super) fn shape(&self) -> (usize, usize, SampleType) {
-        (self.width, self.height, self.sample_type)
+    pub(super) fn shape(&self) -> ([usize; 3], Stored) {
+        ([self.width, self.height, self.depth], self.stored)
     }
 
     /// Whether samples are stored in whole bytes.
@@ -191,6 +210,8 @@ impl Page {
     pub(super) fn contiguous(&self) -> Option<u64> {
         let plain = self.compression == Compression::None
             && self.is_whole_bytes()
+            && !self.is_reversed
+            && self.depth == 1
             && self.chunk_width == self.width;
         let joined = self
             .chunks
@@ -201,97 +222,39 @@ impl Page {
     }
 }
 
-/// A file with its byte order and size of positions.
-struct Source<'a> {
-    bytes: &'a dyn Bytes,
-    endian: Endian,
-    big: bool,
-}
-
-impl<'a> Source<'a> {
-    fn open(bytes: &'a dyn Bytes) -> Result<Source<'a>, Error> {
-        let mut source = Source {
-            bytes,
-            endian: Endian::Little,
-            big: false,
-        };
-        let magic = source.fetch(0, 4, "the TIFF header")?;
-        source.endian = match &magic[..2] {
-            b"II" => Endian::Little,
-            b"MM" => Endian::Big,
-            other => {
-                return Err(Error::field("byte order", other.escape_ascii(), "II or MM"));
-            }
-        };
-        source.big = match integer(&magic[2..], source.endian) {
-            42 => false,
-            43 => true,
-            other => return Err(Error::field("TIFF version", other, "42 or 43 (BigTIFF)")),
-        };
-        if source.big {
-            let sizes = source.fetch(4, 4, "the BigTIFF header")?;
-            let offset_bytes = integer(&sizes[..2], source.endian);
-            if offset_bytes != 8 {
-                return Err(Error::field("bytes of a position", offset_bytes, "8"));
-            }
-        }
-        Ok(source)
+/// The directory at a position.
+fn directory<'a>(source: &'a Source<'a>, at: u64, page: usize) -> Result<Directory<'a>, Error> {
+    const MOST_ENTRIES: u64 = 4096;
+    let what = format!("the directory of page {page}");
+    let (count_size, entry_size, word) = if source.big { (8, 20, 8) } else { (2, 12, 4) };
+    let count = integer(&source.fetch(at, count_size, &what)?, source.endian);
+    if count > MOST_ENTRIES {
+        return Err(Error::field(
+            format!("number of entries of page {page}"),
+            count,
+            format!("at most {MOST_ENTRIES}"),
+        ));
     }
-
-    fn first_directory(&self) -> Result<u64, Error> {
-        let (at, size) = if self.big { (8, 8) } else { (4, 4) };
-        let position = self.fetch(at, size, "the TIFF header")?;
-        Ok(integer(&position, self.endian))
-    }
-
-    fn fetch(&self, offset: u64, size: u64, what: &str) -> Result<Vec<u8>, Error> {
-        let end = offset.saturating_add(size);
-        if end > self.bytes.len() {
-            return Err(ErrorKind::Truncated {
-                what: what.into(),
-                expected: end,
-                found: self.bytes.len(),
-            }
-            .into());
-        }
-        let mut into = vec![0; size as usize];
-        self.bytes.read_at(offset, &mut into)?;
-        Ok(into)
-    }
-
-    fn directory(&self, at: u64, page: usize) -> Result<Directory<'_>, Error> {
-        const MOST_ENTRIES: u64 = 4096;
-        let what = format!("the directory of page {page}");
-        let (count_size, entry_size, word) = if self.big { (8, 20, 8) } else { (2, 12, 4) };
-        let count = integer(&self.fetch(at, count_size, &what)?, self.endian);
-        if count > MOST_ENTRIES {
-            return Err(Error::field(
-                format!("number of entries of page {page}"),
-                count,
-                format!("at most {MOST_ENTRIES}"),
-            ));
-        }
-        // `fetch` has seen that `at` lies in the file, so these sums cannot overflow.
-        let table = self.fetch(at + count_size, count * entry_size, &what)?;
-        let entries = table
-            .chunks_exact(entry_size as usize)
-            .map(|entry| Entry {
-                tag: integer(&entry[..2], self.endian) as u16,
-                kind: integer(&entry[2..4], self.endian) as u16,
-                count: integer(&entry[4..4 + word], self.endian),
-                value: std::array::from_fn(|i| entry.get(4 + word + i).copied().unwrap_or(0)),
-                room: word,
-            })
-            .collect();
-        let end = at + count_size + count * entry_size;
-        let next = self.fetch(end, word as u64, &what)?;
-        Ok(Directory {
-            source: self,
-            number: page,
-            entries,
-            next: integer(&next, self.endian),
+    // `fetch` has seen that `at` lies in the file, so these sums cannot overflow.
+    let table = source.fetch(at + count_size, count * entry_size, &what)?;
+    let entries = table
+        .chunks_exact(entry_size as usize)
+        .map(|entry| Entry {
+            tag: integer(&entry[..2], source.endian) as u16,
+            kind: integer(&entry[2..4], source.endian) as u16,
+            count: integer(&entry[4..4 + word], source.endian),
+            value: std::array::from_fn(|i| entry.get(4 + word + i).copied().unwrap_or(0)),
+            room: word,
         })
-    }
+        .collect();
+    let end = at + count_size + count * entry_size;
+    let next = source.fetch(end, word as u64, &what)?;
+    Ok(Directory {
+        source,
+        number: page,
+        entries,
+        next: integer(&next, source.endian),
+    })
 }
 
 struct Entry {
@@ -427,9 +390,13 @@ impl Directory<'_> {
         let width = self.edge(tag::IMAGE_WIDTH, "ImageWidth")?;
         let height = self.edge(tag::IMAGE_LENGTH, "ImageLength")?;
         let photometric = self.photometric()?;
-        let (sample_type, bits) = self.sample_type()?;
+        let (stored, bits) = self.sample_type()?;
         let compression = self.compression()?;
-        let predictor = self.predictor(compression, sample_type, bits)?;
+        let predictor = self.predictor(compression, stored, bits)?;
+        let depth = match self.find(tag::IMAGE_DEPTH) {
+            Some(_) => self.edge(tag::IMAGE_DEPTH, "ImageDepth")?,
+            None => 1,
+        };
         let is_tiled = self.find(tag::TILE_OFFSETS).is_some();
         let (chunk_width, chunk_height) = if is_tiled {
             (
@@ -444,17 +411,25 @@ impl Directory<'_> {
             }
             (width, rows as usize)
         };
+        let chunk_depth = match self.find(tag::TILE_DEPTH) {
+            Some(_) if is_tiled => self.edge(tag::TILE_DEPTH, "TileDepth")?,
+            _ => 1,
+        };
         let mut page = Page {
             number: self.number,
             width,
             height,
-            sample_type,
+            depth,
+            sample_type: stored.bits(),
+            stored,
             bits,
+            is_reversed: self.number(tag::FILL_ORDER)? == Some(2),
             photometric,
             compression,
             predictor,
             chunk_width,
             chunk_height,
+            chunk_depth,
             chunks: Vec::new(),
         };
         page.chunks = self.chunks(&page, is_tiled)?;
@@ -490,10 +465,26 @@ impl Directory<'_> {
         }
     }
 
-    fn sample_type(&self) -> Result<(SampleType, u32), Error> {
+    /// The tables of MetaMorph. Their counts mean other things than elsewhere.
+    fn metamorph(&self) -> Result<Option<MetaMorph>, Error> {
+        let place = |tag: u16| -> Option<metamorph::Place> {
+            let entry = self.find(tag)?;
+            let at = integer(&entry.value[..entry.room], self.source.endian);
+            Some((entry.count, at))
+        };
+        // Fractions in the first table are those of a version before this one.
+        let is_pairs = self.find(tag::UIC1).is_some_and(|entry| entry.kind == 4);
+        let uic1 = place(tag::UIC1).filter(|_| is_pairs);
+        MetaMorph::read(self.source, uic1, place(tag::UIC2))
+    }
+
+    fn sample_type(&self) -> Result<(Stored, u32), Error> {
         let bits = self.number(tag::BITS_PER_SAMPLE)?.unwrap_or(1);
         let format = self.number(tag::SAMPLE_FORMAT)?.unwrap_or(1);
-        let sample_type = match (format, bits) {
+        let kept = match (format, bits) {
+            (1 | 4, 64) => return Ok((Stored::U64, 64)),
+            (2, 64) => return Ok((Stored::I64, 64)),
+            (3, 16) => return Ok((Stored::F16, 16)),
             (1 | 4, 1..=8) => SampleType::U8,
             (1 | 4, 9..=16) => SampleType::U16,
             (1 | 4, 32) => SampleType::U32,
@@ -513,14 +504,11 @@ impl Directory<'_> {
                 return Err(Error::field(
                     self.field("the sample type"),
                     format!("{bits} bits, {format}"),
-                    "unsigned of 1 to 16 or 32 bits, signed of 8, 16 or 32, floating point of 32 or 64",
+                    "unsigned of 1 to 16, 32 or 64 bits, signed of 8, 16, 32 or 64, floating point of 16, 32 or 64",
                 ));
             }
         };
-        if bits % 8 != 0 && self.number(tag::FILL_ORDER)? == Some(2) {
-            return Err(Error::field(self.field("FillOrder"), 2, "1"));
-        }
-        Ok((sample_type, bits as u32))
+        Ok((Stored::Kept(kept), bits as u32))
     }
 
     fn compression(&self) -> Result<Compression, Error> {
@@ -549,18 +537,18 @@ impl Directory<'_> {
     fn predictor(
         &self,
         compression: Compression,
-        sample_type: SampleType,
+        stored: Stored,
         bits: u32,
     ) -> Result<Predictor, Error> {
         // Only these methods have one (TIFF 6.0, section 14); elsewhere the tag means nothing.
         if matches!(compression, Compression::None | Compression::PackBits) {
             return Ok(Predictor::None);
         }
-        let whole = bits as usize == 8 * sample_type.size();
+        let whole = bits as usize == 8 * stored.bits().size();
         match self.number(tag::PREDICTOR)?.unwrap_or(1) {
             1 => Ok(Predictor::None),
             2 if whole => Ok(Predictor::Horizontal),
-            3 if !sample_type.is_integer() => Ok(Predictor::FloatingPoint),
+            3 if stored.is_float() => Ok(Predictor::FloatingPoint),
             other => Err(Error::field(
                 self.field("Predictor"),
                 other,
@@ -576,7 +564,10 @@ impl Directory<'_> {
             (tag::STRIP_OFFSETS, tag::STRIP_BYTE_COUNTS)
         };
         let across = page.width.div_ceil(page.chunk_width) as u64;
-        let count = across * page.height.div_ceil(page.chunk_height) as u64;
+        let layers = page.depth.div_ceil(page.chunk_depth) as u64;
+        let down = page.height.div_ceil(page.chunk_height);
+        // Edges have 20 bits each.
+        let count = across * down as u64 * layers;
         let counted = |tag, name: &str| {
             let numbers = self.numbers(tag, count)?;
             match numbers {
@@ -600,10 +591,10 @@ impl Directory<'_> {
         if page.compression == Compression::None {
             // Their sizes follow from the page; what the file says is often wrong.
             let rows = |first: usize| match is_tiled {
-                true => page.chunk_height,
+                true => page.chunk_height * page.chunk_depth,
                 false => page
                     .chunk_height
-                    .min(page.height - first * page.chunk_height),
+                    .min(page.height - first % down * page.chunk_height),
             };
             return Ok(offsets
                 .into_iter()
@@ -640,13 +631,4 @@ pub(super) fn colour(what: &str) -> Error {
             .into(),
     }
     .into()
-}
-
-/// An unsigned number of 1 to 8 bytes.
-fn integer(bytes: &[u8], endian: Endian) -> u64 {
-    let join = |number: u64, &byte: &u8| number << 8 | u64::from(byte);
-    match endian {
-        Endian::Big => bytes.iter().fold(0, join),
-        Endian::Little => bytes.iter().rev().fold(0, join),
-    }
 }
