@@ -42,6 +42,10 @@ pub fn run(root: &Path) -> Result<bool> {
             "--no-default-features",
         ]))
     })?;
+    steps.run("the library without its optional features", || {
+        let check = ["check", "--quiet", "--package", "strahl"];
+        succeeds(cargo(root).args(check).arg("--no-default-features"))
+    })?;
     steps.run("documentation", || {
         succeeds(
             cargo(root)

@@ -6,7 +6,8 @@
 //! that a person can read and any backend of WebGPU can run. No text is ever replaced by pattern;
 //! modules are taken apart by tokens, checked by naga, and checked again when they are together.
 //!
-//! ```
+#![cfg_attr(feature = "link", doc = "```")]
+#![cfg_attr(not(feature = "link"), doc = "```ignore")]
 //! use std::sync::Arc;
 //! use strahl_shader::{Linker, Module, RayLoop, Selection, Techniques, Texels, built_in, ray_loop};
 //!
@@ -42,29 +43,54 @@
 
 #![warn(missing_docs)]
 
+#[cfg(feature = "link")]
 mod cost;
 mod error;
+#[cfg(feature = "link")]
 mod library;
+mod limits;
+#[cfg(feature = "link")]
 mod link;
+#[cfg(feature = "link")]
 mod module;
+#[cfg(not(feature = "link"))]
+mod no_module;
+#[cfg_attr(
+    not(feature = "link"),
+    expect(dead_code, reason = "the build script reads comments by it")
+)]
 mod parameter;
+#[cfg(feature = "link")]
 mod program;
 pub mod registry;
+#[cfg(feature = "link")]
+mod report;
+#[cfg(feature = "link")]
 mod skeleton;
 mod slot;
+#[cfg(feature = "link")]
 mod technique;
+#[cfg(feature = "link")]
 mod token;
 
-pub use cost::{Cost, Work};
-pub use error::{Error, Report};
-pub use library::{built_in, library};
-pub use link::{Linker, MOST_TURNS, Selection};
-pub use module::{MOST_MODULE_BYTES, Module, PRELUDE, Ports};
+pub use error::Error;
+pub use limits::{BRICK_VOXELS, MOST_MASKS, MOST_OBJECTS};
+#[cfg(not(feature = "link"))]
+pub use no_module::Module;
 pub use parameter::{Beside, Parameter, Scalar};
-pub use program::{Block, Origin, Program};
-pub use skeleton::{
-    BRICK_VOXELS, MOST_MASKS, MOST_OBJECTS, NOWHERE_MM, PAGE_VOXELS, RayLoop, Skeleton, TABLE_ROW,
-    Techniques, Texels, bindings, graph_loop, ray_loop, surrounding_words,
-};
 pub use slot::{Fold, SLOTS, SUPPLIED, Signature, Slot, slot};
-pub use technique::{TECHNIQUE_SLOTS, TECHNIQUE_TEXELS, TechniqueTexels};
+
+#[cfg(feature = "link")]
+pub use {
+    cost::{Cost, Work},
+    library::{built_in, library},
+    link::{Linker, MOST_TURNS, Selection},
+    module::{MOST_MODULE_BYTES, Module, PRELUDE, Ports},
+    program::{Block, Origin, Program},
+    report::Report,
+    skeleton::{
+        NOWHERE_MM, PAGE_VOXELS, RayLoop, Skeleton, TABLE_ROW, Techniques, Texels, bindings,
+        graph_loop, ray_loop, surrounding_words,
+    },
+    technique::{TECHNIQUE_SLOTS, TECHNIQUE_TEXELS, TechniqueTexels},
+};

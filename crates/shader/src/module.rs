@@ -1,7 +1,8 @@
 //! A module: the WGSL text of one function for one slot.
 
-use crate::error::{Error, Report};
+use crate::error::Error;
 use crate::parameter::{Beside, Parameter, Scalar};
+use crate::report::Report;
 use crate::slot::{SLOTS, SUPPLIED, Signature, Slot};
 use crate::token::{Declaration, Declared, Token, declarations, tokens};
 use naga::front::wgsl;

@@ -5,6 +5,7 @@
 //! which knows nothing of others.
 
 use crate::error::Error;
+use crate::limits::{MOST_MASKS, MOST_OBJECTS};
 use crate::module::{Module, PRELUDE};
 use crate::slot::{SLOTS, SUPPLIED};
 use crate::token::tokens;
@@ -100,15 +101,6 @@ pub enum Techniques {
     /// segments are found.
     OfSegments,
 }
-
-/// Objects, and volumes, in one ray loop.
-pub const MOST_OBJECTS: usize = 8;
-
-/// Masks in one ray loop.
-pub const MOST_MASKS: usize = 4;
-
-/// Edge of a brick of the occupancy texture, in voxels.
-pub const BRICK_VOXELS: u32 = 8;
 
 /// Edge of a page of a paged volume, in voxels. Pages lie side by side without overlap.
 pub const PAGE_VOXELS: u32 = 32;

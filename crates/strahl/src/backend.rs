@@ -1,9 +1,10 @@
 //! Which renderer draws.
 
+use crate::Error;
 use crate::note::Note;
+use crate::scene_graph::SceneGraph;
 use crate::session::Session;
 use crate::show_stage::ShowStage;
-use crate::{Error, SceneGraph};
 use strahl_scene::{Rendered, plan::Plan};
 use strahl_volume::{Control, Datasets};
 
@@ -74,7 +75,9 @@ pub(crate) fn draw(
                 adapter => match on_gpu(session, adapter, wanted, control) {
                     Ok(drawn) => return Ok(drawn),
                     // What is wrong with a graph is wrong everywhere.
-                    Err(error @ (Error::Graph(_) | Error::Cancelled)) => return Err(error),
+                    #[cfg(feature = "graph")]
+                    Err(error @ Error::Graph(_)) => return Err(error),
+                    Err(Error::Cancelled) => return Err(Error::Cancelled),
                     Err(error) => error.to_string(),
                 },
             };
@@ -123,6 +126,7 @@ fn on_cpu(
 }
 
 /// By the program that a graphics processor would run.
+#[cfg(feature = "graph")]
 fn evaluated(
     session: &Session,
     wanted: &Wanted,
@@ -133,24 +137,10 @@ fn evaluated(
     let mut evaluator = session.evaluator(control)?;
     let evaluator = &mut *evaluator;
     evaluator.set_data(wanted.data);
-    let plan = wanted.plan;
     let mut draw = || {
-        let mut notes = Vec::new();
-        let rendered = match wanted.graph {
-            None => evaluator.render(plan, control)?,
-            Some(graph) => {
-                let (what, functions) = (evaluator.loop_of(plan)?, evaluator.functions(plan)?);
-                let ready = graph.ready(plan, &what, &functions)?;
-                notes = ready.notes.into_iter().map(Note::Data).collect();
-                let of = &ready.compiled;
-                let (program, parameters) = (&of.program, &of.parameters);
-                let textures = &ready.textures;
-                match &of.slicing {
-                    None => evaluator.render_by(plan, program, parameters, textures, control)?,
-                    Some(slicing) => evaluator
-                        .render_slices_by(plan, program, parameters, textures, slicing, control)?,
-                }
-            }
+        let (rendered, notes) = match wanted.graph {
+            None => (evaluator.render(wanted.plan, control)?, Vec::new()),
+            Some(graph) => graph.draw(evaluator, wanted.plan, control)?,
         };
         Ok(Drawn {
             rendered,
@@ -161,6 +151,23 @@ fn evaluated(
     match pool {
         Some(pool) => pool.install(draw),
         None => draw(),
+    }
+}
+
+#[cfg(not(feature = "graph"))]
+fn evaluated(
+    _session: &Session,
+    wanted: &Wanted,
+    _threads: usize,
+    _control: &Control,
+) -> Result<Drawn, Error> {
+    match wanted.graph {
+        Some(graph) => match *graph {},
+        // A Plan without a file of a function has a twin of each.
+        None => Err(Error::NoGraphs {
+            file: None,
+            what: "a shader function of a file",
+        }),
     }
 }
 
@@ -193,23 +200,12 @@ fn on_gpu(
 ) -> Result<Drawn, Error> {
     let devices = session.devices();
     devices.draw(adapter, wanted.data, control, |renderer| {
-        let plan = wanted.plan;
-        let mut notes = Vec::new();
-        let rendered = match wanted.graph {
-            None => renderer.render(plan, control)?,
-            Some(graph) => {
-                let (what, functions) = (renderer.loop_of(plan)?, renderer.functions(plan)?);
-                let ready = graph.ready(plan, &what, &functions)?;
-                notes = ready.notes.into_iter().map(Note::Data).collect();
-                let of = &ready.compiled;
-                let (program, parameters) = (&of.program, &of.parameters);
-                let textures = &ready.textures;
-                match &of.slicing {
-                    None => renderer.render_by(plan, program, parameters, textures, control)?,
-                    Some(slicing) => renderer
-                        .render_slices_by(plan, program, parameters, textures, slicing, control)?,
-                }
-            }
+        let (rendered, notes) = match wanted.graph {
+            None => (renderer.render(wanted.plan, control)?, Vec::new()),
+            #[cfg(feature = "graph")]
+            Some(graph) => graph.draw(renderer, wanted.plan, control)?,
+            #[cfg(not(feature = "graph"))]
+            Some(graph) => match *graph {},
         };
         Ok(Drawn {
             rendered,

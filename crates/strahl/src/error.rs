@@ -45,12 +45,25 @@ pub enum Error {
     #[error(transparent)]
     Shader(#[from] strahl_shader::Error),
     /// A graph, an edit of one, or a pattern is wrong.
+    #[cfg(feature = "graph")]
     #[error(transparent)]
     Graph(#[from] strahl_graph::Error),
     /// No picture was drawn.
     #[error(transparent)]
     Draw(strahl_cpu::Error),
+    /// A graph, or a shader function of a file, is asked for in a build without them.
+    #[error(
+        "{}{what} is not part of this build; build with the feature `graph`",
+        Named(.file)
+    )]
+    NoGraphs {
+        /// The file, if there is one.
+        file: Option<PathBuf>,
+        /// `a graph` or `a shader function`.
+        what: &'static str,
+    },
     /// No picture was drawn by its program on the processor.
+    #[cfg(feature = "graph")]
     #[error(transparent)]
     Evaluate(strahl_evaluate::Error),
     /// No picture was drawn on the graphics processor.
@@ -132,6 +145,7 @@ impl From<strahl_cpu::Error> for Error {
     }
 }
 
+#[cfg(feature = "graph")]
 impl From<strahl_evaluate::Error> for Error {
     fn from(error: strahl_evaluate::Error) -> Error {
         match error {

@@ -49,6 +49,7 @@ mod devices;
 mod error;
 mod folder;
 mod load;
+#[cfg(any(feature = "graph", feature = "gpu"))]
 mod locked;
 mod note;
 mod output;
@@ -56,6 +57,10 @@ mod picture;
 mod render;
 mod scene_data;
 mod scene_file;
+#[cfg(feature = "graph")]
+mod scene_graph;
+#[cfg(not(feature = "graph"))]
+#[path = "no_graph.rs"]
 mod scene_graph;
 mod session;
 mod show_stage;
@@ -69,6 +74,7 @@ pub use output::{Output, abandon_outputs};
 pub use picture::{Encoding, Recipe, SOFTWARE, write_picture};
 pub use render::{Picture, Render, Shown, render_file};
 pub use scene_file::{SceneFile, seen_from};
+#[cfg(feature = "graph")]
 pub use scene_graph::{ReadyGraph, SceneGraph};
 pub use session::Session;
 pub use show_stage::ShowStage;
@@ -78,13 +84,16 @@ pub use glam;
 /// The renderer on the processor.
 pub use strahl_cpu as cpu;
 /// Linked programs without a graphics processor.
+#[cfg(feature = "graph")]
 pub use strahl_evaluate as evaluate;
 /// The renderer on the graphics processor.
 #[cfg(feature = "gpu")]
 pub use strahl_gpu as gpu;
 /// Graphs: rays programmed by wiring typed nodes.
+#[cfg(feature = "graph")]
 pub use strahl_graph as graph;
 /// From a Plan to its linked program.
+#[cfg(feature = "graph")]
 pub use strahl_program as program;
 /// What is to be drawn: scenes, plans, pictures.
 pub use strahl_scene as scene;

@@ -4,9 +4,10 @@ use crate::backend::{Backend, DrawnBy, Wanted, draw};
 use crate::note::Note;
 use crate::scene_data::{Own, SceneData};
 use crate::scene_file::{SceneFile, seen_from};
+use crate::scene_graph::SceneGraph;
 use crate::session::Session;
 use crate::show_stage::ShowStage;
-use crate::{Encoding, Error, Output, Recipe, SceneGraph, write_picture};
+use crate::{Encoding, Error, Output, Recipe, write_picture};
 use std::ops::Deref;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -360,6 +361,7 @@ impl<'a> Render<'a> {
     ///
     /// # Errors
     /// The text of the graph is wrong, or a file that it names cannot be read.
+    #[cfg(feature = "graph")]
     pub fn graph(&self) -> Result<SceneGraph, Error> {
         SceneGraph::new(&self.graph_name(), self.scene.graph.as_ref())
     }

@@ -9,7 +9,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use strahl_scene::{Clip, Headers, MaskClip, Scene, VolumeSource};
-use strahl_shader::{MOST_MODULE_BYTES, Module};
+use strahl_shader::Module;
 use strahl_volume::read::ReadOptions;
 use strahl_volume::read::mesh::read_mesh_under;
 use strahl_volume::{Control, Datasets, Grid, Mesh, Phantom, Volume};
@@ -218,8 +218,19 @@ impl SceneData {
 }
 
 /// The shader function in a file.
+#[cfg(not(feature = "graph"))]
+fn read_module(path: &Path) -> Result<Module, Error> {
+    Err(Error::NoGraphs {
+        file: Some(path.to_owned()),
+        what: "a shader function of a file",
+    })
+}
+
+/// The shader function in a file.
+#[cfg(feature = "graph")]
 fn read_module(path: &Path) -> Result<Module, Error> {
     use std::io::Read;
+    use strahl_shader::MOST_MODULE_BYTES;
     let fail = |error| Error::path(path, error);
     let mut text = Vec::new();
     let file = fs::File::open(path).map_err(fail)?;

@@ -99,13 +99,11 @@ fn is_graph(name: &str, text: &str) -> bool {
 /// A graph with every graph and WGSL file that it names inside it, and its other paths put as seen from the
 /// current folder.
 fn whole_graph(name: &str, text: &str, folder: &Path) -> Result<GraphText, Error> {
-    let mut asked = scene_graph::read(name, text, folder)?;
-    asked.for_each_path_mut(|path| {
+    scene_graph::with_paths(name, text, folder, |path| {
         if let Some(joined) = folder.join(&*path).to_str() {
             *path = joined.to_owned();
         }
-    });
-    GraphText::new(asked.to_text()).map_err(|why| Error::not_usable(Path::new(name), why))
+    })
 }
 
 /// A damaged picture may still be a slice of a volume, whose reader has better words for it.
@@ -166,12 +164,9 @@ pub fn seen_from(folder: &Path, scene: &Scene) -> Scene {
     };
     paths_of(&mut scene).into_iter().for_each(change);
     if let Some(graph) = &mut scene.graph
-        && let Ok(mut asked) = scene_graph::read("graph", graph.as_str(), Path::new(""))
+        && let Ok(text) = scene_graph::with_paths("graph", graph.as_str(), Path::new(""), change)
     {
-        asked.for_each_path_mut(change);
-        if let Ok(text) = GraphText::new(asked.to_text()) {
-            *graph = text;
-        }
+        *graph = text;
     }
     scene
 }

@@ -1,6 +1,7 @@
 //! The graph of a scene: read, edited, compiled, with the pictures that it reads.
 
 use crate::Error;
+use crate::note::Note;
 use std::fs;
 use std::io::Read;
 use std::path::Path;
@@ -10,8 +11,9 @@ use strahl_graph::{
 };
 use strahl_program::{Functions, Table2d};
 use strahl_scene::plan::Plan;
-use strahl_scene::{GraphText, linear_from_srgb};
+use strahl_scene::{GraphText, Rendered, linear_from_srgb};
 use strahl_shader::{RayLoop, Texels};
+use strahl_volume::Control;
 
 /// Texels of one picture.
 const MOST_TEXELS: u64 = 1 << 26;
@@ -25,6 +27,19 @@ pub struct SceneGraph {
     patterns: Patterns,
 }
 
+/// The text `text` of a graph with every graph and WGSL file that it names inside it, read from `folder`, and each of
+/// its other paths changed by `change`.
+pub(crate) fn with_paths(
+    name: &str,
+    text: &str,
+    folder: &Path,
+    change: impl FnMut(&mut String),
+) -> Result<GraphText, Error> {
+    let mut asked = read(name, text, folder)?;
+    asked.for_each_path_mut(change);
+    GraphText::new(asked.to_text()).map_err(|why| Error::not_usable(Path::new(name), why))
+}
+
 /// A graph ready to be drawn.
 #[derive(Clone, Debug)]
 pub struct ReadyGraph {
@@ -34,6 +49,56 @@ pub struct ReadyGraph {
     pub textures: Vec<Table2d>,
     /// What is odd, but no error: conflicts between edits, nodes that nothing needs.
     pub notes: Vec<String>,
+}
+
+/// A renderer of linked programs.
+pub(crate) trait DrawsPrograms {
+    /// How it reads the volumes of `plan`, and the functions that draw them.
+    fn reads(&self, plan: &Plan) -> Result<(RayLoop, Functions), Error>;
+
+    /// Draws `plan` by the program of a graph.
+    fn draw_by(
+        &mut self,
+        plan: &Plan,
+        ready: &ReadyGraph,
+        control: &Control,
+    ) -> Result<Rendered, Error>;
+}
+
+/// The same for each of them: their functions have the same names.
+macro_rules! draws_programs {
+    () => {
+        fn reads(&self, plan: &Plan) -> Result<(RayLoop, Functions), Error> {
+            Ok((self.loop_of(plan)?, self.functions(plan)?))
+        }
+
+        fn draw_by(
+            &mut self,
+            plan: &Plan,
+            ready: &ReadyGraph,
+            control: &Control,
+        ) -> Result<Rendered, Error> {
+            let ReadyGraph {
+                compiled, textures, ..
+            } = ready;
+            let (program, parameters) = (&compiled.program, &compiled.parameters);
+            Ok(match &compiled.slicing {
+                None => self.render_by(plan, program, parameters, textures, control)?,
+                Some(slicing) => {
+                    self.render_slices_by(plan, program, parameters, textures, slicing, control)?
+                }
+            })
+        }
+    };
+}
+
+impl DrawsPrograms for strahl_evaluate::Evaluator {
+    draws_programs!();
+}
+
+#[cfg(feature = "gpu")]
+impl DrawsPrograms for strahl_gpu::Renderer {
+    draws_programs!();
 }
 
 impl SceneGraph {
@@ -103,6 +168,19 @@ impl SceneGraph {
             compiled,
             textures,
         })
+    }
+
+    /// Draws `plan` by its graph, with what is odd about that.
+    pub(crate) fn draw<R: DrawsPrograms>(
+        &self,
+        renderer: &mut R,
+        plan: &Plan,
+        control: &Control,
+    ) -> Result<(Rendered, Vec<Note>), Error> {
+        let (what, functions) = renderer.reads(plan)?;
+        let ready = self.ready(plan, &what, &functions)?;
+        let rendered = renderer.draw_by(plan, &ready, control)?;
+        Ok((rendered, ready.notes.into_iter().map(Note::Data).collect()))
     }
 
     /// The program where the texture unit interpolates the volumes; no device is needed.

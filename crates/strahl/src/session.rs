@@ -4,18 +4,22 @@ use crate::Error;
 #[cfg(feature = "gpu")]
 use crate::devices::Devices;
 use crate::load::{Seen, load_seen};
+#[cfg(feature = "graph")]
 use crate::locked::locked;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, MutexGuard};
+use std::sync::Arc;
+#[cfg(feature = "graph")]
+use std::sync::{Mutex, MutexGuard};
 use std::time::SystemTime;
 use std::{fs, io};
 use strahl_cpu::Pools;
+#[cfg(feature = "graph")]
 use strahl_evaluate::Evaluator;
 use strahl_volume::read::mesh::LoadedMesh;
 use strahl_volume::read::{Loaded, ReadOptions};
-use strahl_volume::{
-    Cancelled, ContentId, Control, Counts, Datasets, Key, LabelVolume, Phantom, Store, Volume,
-};
+#[cfg(feature = "graph")]
+use strahl_volume::{Cancelled, Datasets};
+use strahl_volume::{ContentId, Control, Counts, Key, LabelVolume, Phantom, Store, Volume};
 
 /// Draws scenes, and keeps what the next picture needs as well: the data that scenes name, what renderers make of
 /// it, the graphics device, pools of threads. It may be used by several threads at a time.
@@ -43,6 +47,7 @@ pub struct Session {
     files: Store,
     store: Arc<Store>,
     pools: Pools,
+    #[cfg(feature = "graph")]
     evaluator: Mutex<Evaluator>,
     #[cfg(feature = "gpu")]
     devices: Devices,
@@ -68,6 +73,7 @@ impl Session {
         Session {
             files: Store::with_budget(usize::MAX),
             pools: Pools::default(),
+            #[cfg(feature = "graph")]
             evaluator: Mutex::new(Evaluator::with_store(Datasets::default(), store.clone())),
             #[cfg(feature = "gpu")]
             devices: Devices::new(store.clone()),
@@ -118,6 +124,7 @@ impl Session {
     }
 
     /// The evaluator, when nobody else uses it.
+    #[cfg(feature = "graph")]
     pub(crate) fn evaluator(
         &self,
         control: &Control,

@@ -316,8 +316,8 @@ impl<'s, S: Level> Packet<'s, S> {
         };
         with_rule!(object.composite, rule => {
             // A copy for each rule: that of a rule which is not inlined lies in memory, the others need not.
-            let sample = sample;
-            rule.add(&mut self.state, &sample)
+            let own = sample;
+            rule.add(&mut self.state, &own)
         })
     }
 
