@@ -289,8 +289,8 @@ impl<'s, S: Level> Packet<'s, S> {
         )
     }
 
-    /// Adds lattice point `k` of the rays `sampled`, for as many as a `stride` has where there are strides; says which of them
-    /// it showed something for.
+    /// Adds lattice point `k` of the rays `sampled` by the rule of `object`, for as many as a `stride` has where there are
+    /// strides; says which of them it showed something for.
     #[inline(always)]
     pub(super) fn add(
         &mut self,
@@ -300,6 +300,20 @@ impl<'s, S: Level> Packet<'s, S> {
         sampled: Mask<S>,
         value: F32s<S>,
         stride: F32s<S>,
+    ) -> Mask<S> {
+        let at = (k, position, stride);
+        with_rule!(object.composite, rule => self.add_by(rule, object, at, sampled, value))
+    }
+
+    /// The same by `rule`, of a lattice point with its position and its stride.
+    #[inline(always)]
+    pub(super) fn add_by(
+        &mut self,
+        rule: impl Rule,
+        object: &Object<S>,
+        (k, position, stride): (F32s<S>, Vec3s<S>, F32s<S>),
+        sampled: Mask<S>,
+        value: F32s<S>,
     ) -> Mask<S> {
         let sample = Sample {
             crossing: Crossing {
@@ -314,11 +328,7 @@ impl<'s, S: Level> Packet<'s, S> {
             value,
             sampled,
         };
-        with_rule!(object.composite, rule => {
-            // A copy for each rule: that of a rule which is not inlined lies in memory, the others need not.
-            let own = sample;
-            rule.add(&mut self.state, &own)
-        })
+        rule.add(&mut self.state, &sample)
     }
 
     /// Colour, and opacity of one step, of a value of `object`.

@@ -1,26 +1,91 @@
 //! The ray loop through one volume with any functions.
 
 use super::packet::Packet;
-use crate::lanes::F32s;
+use crate::lanes::{F32s, Mask};
 use crate::levels::{Level, vectorized};
-use crate::library::composite::{Rule, with_rule};
+use crate::library::composite::back_to_front::BackToFront;
+use crate::library::composite::emission_absorption::EmissionAbsorption;
+use crate::library::composite::mida::Mida;
+use crate::library::composite::{Crossing, Rule, Sample, State, with_rule};
 use crate::scenery::Object;
+use strahl_scene::plan::Composite;
+
+/// The rule of a Plan, chosen at every step.
+#[derive(Clone, Copy)]
+struct Chosen(Composite);
+
+impl Rule for Chosen {
+    fn is_back_to_front(&self) -> bool {
+        with_rule!(self.0, rule => rule.is_back_to_front())
+    }
+
+    #[inline(always)]
+    fn start<S: Level>(&self) -> State<S> {
+        with_rule!(self.0, rule => rule.start())
+    }
+
+    #[inline(always)]
+    fn add<S: Level>(&self, state: &mut State<S>, sample: &Sample<S>) -> Mask<S> {
+        with_rule!(self.0, rule => rule.add(state, sample))
+    }
+
+    #[inline(always)]
+    fn done<S: Level>(&self, state: &State<S>) -> Mask<S> {
+        with_rule!(self.0, rule => rule.done(state))
+    }
+
+    #[inline(always)]
+    fn finish<S: Level>(&self, state: &mut State<S>, rays: &Crossing<S>) {
+        with_rule!(self.0, rule => rule.finish(state, rays));
+    }
+}
 
 impl<S: Level> Packet<'_, S> {
-    /// Through one volume, in the order of the rule.
-    #[inline(never)]
+    /// Through one volume, in the order of the rule. Those that draw many samples of every ray have a loop of their own;
+    /// a loop for each would take longer to compile than it saves.
+    #[inline(always)]
     pub(super) fn through_one(&mut self, object: &Object<S>) {
+        match self.scenery.composite {
+            Composite::EmissionAbsorption {
+                stop_at_transmittance,
+            } => self.through_one_by(
+                object,
+                EmissionAbsorption {
+                    stop_at_transmittance,
+                },
+            ),
+            Composite::BackToFront => self.through_one_by(object, BackToFront),
+            Composite::Mida {
+                low,
+                high,
+                blend,
+                stop_at_transmittance,
+            } => self.through_one_by(
+                object,
+                Mida {
+                    low,
+                    high,
+                    blend,
+                    stop_at_transmittance,
+                },
+            ),
+            other => self.through_one_by(object, Chosen(other)),
+        }
+    }
+
+    #[inline(never)]
+    fn through_one_by(&mut self, object: &Object<S>, rule: impl Rule) {
         vectorized::<S, _>(
             #[inline(always)]
-            || self.through_one_here(object),
+            || self.through_one_here(object, rule),
         );
     }
 
     #[inline(always)]
-    fn through_one_here(&mut self, object: &Object<S>) {
+    fn through_one_here(&mut self, object: &Object<S>, rule: impl Rule) {
         let (rays, line) = (self.rays, &self.rays.lines[0]);
         let one = F32s::splat(1.0);
-        let is_back_to_front = with_rule!(self.scenery.composite, rule => rule.is_back_to_front());
+        let is_back_to_front = rule.is_back_to_front();
         let strides = object.strides.as_ref().filter(|_| !is_back_to_front);
         let mut strides = strides.map(|strides| strides.along(line, self.last_alpha));
         let (mut k, end, mut live) = self.stand();
@@ -50,11 +115,11 @@ impl<S: Level> Packet<'_, S> {
                 let value = self.value(object, position, sampled);
                 // What is not finite is no value: no rule counts it.
                 let sampled = sampled & value.is_finite();
-                let visible = self.add(object, at, position, sampled, value, stride);
+                let visible = self.add_by(rule, object, (at, position, stride), sampled, value);
                 self.visible += visible.select(one, F32s::zero());
             }
             k = moving.select(k + stride, k);
-            live = live & k.lt(end) & !self.done();
+            live = live & k.lt(end) & !rule.done(&self.state);
         }
         self.k = k;
         if let Some(strides) = strides {

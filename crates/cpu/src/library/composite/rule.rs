@@ -103,7 +103,6 @@ impl<'s, S: Level> Crossing<'s, S> {
 }
 
 /// A sample of each ray.
-#[derive(Clone, Copy)]
 pub struct Sample<'s, S: Level> {
     /// Of the volume that it was taken of.
     pub crossing: Crossing<'s, S>,
