@@ -6,11 +6,13 @@ mod dat;
 mod data_files;
 #[cfg(feature = "dicom")]
 pub mod dicom;
+mod foreign;
 mod header_lines;
 mod input;
 mod loaded;
 pub mod mesh;
 mod metaimage;
+mod mgh;
 mod nifti;
 mod npy;
 mod nrrd;
@@ -28,6 +30,7 @@ mod unpacked;
 mod watched;
 
 use crate::{Control, Error, ErrorKind};
+use foreign::Foreign;
 use options::Open;
 use sniff::Kind;
 use watched::{Watched, uncancelled};
@@ -149,11 +152,8 @@ fn read_kind(kind: Kind, input: &Input, options: &ReadOptions) -> Result<Loaded,
             instead: "unpack the file first".into(),
         }
         .into()),
-        Kind::Foreign { what, instead } => Err(ErrorKind::Unsupported {
-            feature: what.into(),
-            instead: instead.into(),
-        }
-        .into()),
+        Kind::Mgh => mgh::read(input, options),
+        Kind::Foreign(foreign) => Err(not_read(foreign)),
     }
 }
 
@@ -170,13 +170,22 @@ fn left_open(kind: Kind) -> Option<(&'static str, &'static [Open])> {
         Kind::Dat => (".dat", &[Open::Endian, Open::Spacing]),
         Kind::Pvm => ("PVM", &[Open::Spacing]),
         Kind::Dicom => ("DICOM", DICOM_LEAVES_OPEN),
-        Kind::MaybeDicom | Kind::MaybeAnalyze | Kind::Packed(_) | Kind::Foreign { .. } => {
+        Kind::Mgh => ("MGH", &[Open::Time]),
+        Kind::MaybeDicom | Kind::MaybeAnalyze | Kind::Packed(_) | Kind::Foreign(_) => {
             return None;
         }
     })
 }
 
 const DICOM_LEAVES_OPEN: &[Open] = &[Open::Time, Open::Series, Open::Spacing];
+
+fn not_read(Foreign { what, instead }: Foreign) -> Error {
+    ErrorKind::Unsupported {
+        feature: what.into(),
+        instead: instead.into(),
+    }
+    .into()
+}
 
 /// The bytes say nothing, or not enough: the name decides.
 fn read_unknown(input: &Input, options: &ReadOptions) -> Result<Loaded, Error> {
@@ -195,6 +204,7 @@ fn read_unknown(input: &Input, options: &ReadOptions) -> Result<Loaded, Error> {
             options.check("raw", &[Open::Layout, Open::Endian, Open::Spacing])?;
             raw::read(input, options)
         }
+        _ if let Some(foreign) = foreign::of_name(input.name) => Err(not_read(foreign)),
         _ => Err(ErrorKind::Unknown {
             why: sniff::describe(input.bytes)?,
         }

@@ -17,6 +17,7 @@ mod mosaic;
 mod nuclear;
 mod pixels;
 mod rle;
+mod segmentation;
 mod series;
 mod stack;
 mod syntax;
@@ -243,6 +244,14 @@ fn assemble(
     mut notes: Vec<String>,
 ) -> Result<Loaded, Error> {
     drop_copies(&mut images, &mut notes);
+    if let [image] = &images[..]
+        && segmentation::is_segmentation(image.set())
+    {
+        let bytes = series::open(files, &image.name)?;
+        let mut loaded = segmentation::read(image, &*bytes).map_err(|e| e.in_file(&image.name))?;
+        loaded.notes.splice(0..0, notes);
+        return Ok(loaded);
+    }
     note_mislabelled(&images, &mut notes);
     let frames = place(&images, options, &mut notes)?;
     let set = images[frames[0].image].set();
@@ -283,10 +292,11 @@ fn assemble(
         samples = crate::with_samples!(&samples, s => resample(s, layout.frame_samples(), &stack.resampled)?);
     }
     notes.extend(stack.notes.iter().cloned());
+    let labels = segmentation::labels_of_map(images[slices[0].image].set());
     let metadata = metadata(&images, &slices, &stack, options, &mut notes);
     Ok(Loaded {
         volume: Volume::new(grid, samples, rescale, metadata)?,
-        labels: None,
+        labels,
         notes,
     })
 }

@@ -16,8 +16,11 @@
 //! | npy       | 0      | 93 `NUMPY`                                                         |
 //! | PVM       | 0      | `PVM\n`, `PVM2\n`, `PVM3\n`, `DDS v3d\n`, `DDS v3e\n`              |
 //! | .dat      | 0      | text, a key of the format with `:` in one of the first lines       |
+//! | MGH       | 0      | i32 1, lengths, a type and a flag that make sense, big endian      |
 
+use super::foreign::{self, Foreign};
 use super::header_lines::BYTE_ORDER_MARK;
+use super::mgh;
 use super::{Bytes, block::Encoding};
 use crate::error::Error;
 
@@ -42,13 +45,9 @@ pub(crate) enum Kind {
     Npy,
     Pvm,
     Dat,
+    Mgh,
     /// Known, but not a volume that can be read.
-    Foreign {
-        /// What it is.
-        what: &'static str,
-        /// What to do.
-        instead: &'static str,
-    },
+    Foreign(Foreign),
 }
 
 /// The kind of a file, if its bytes say.
@@ -79,7 +78,7 @@ fn kind_of(head: &[u8]) -> Option<Kind> {
         axes.is_some_and(|&axes| (1..=7).contains(&number(axes)))
     };
 
-    let foreign = |what, instead| Some(Kind::Foreign { what, instead });
+    let foreign = |what, instead| Some(Kind::Foreign(Foreign { what, instead }));
     if begins(&[0x1f, 0x8b]) {
         Some(Kind::Packed(Encoding::Gzip))
     } else if begins(b"BZh") {
@@ -112,14 +111,10 @@ fn kind_of(head: &[u8]) -> Option<Kind> {
     .any(|m| begins(m))
     {
         Some(Kind::Pvm)
-    } else if begins(b"\x28\xb5\x2f\xfd") {
-        foreign("a file packed with zstd", "unpack it first")
-    } else if begins(b"\xfd7zXZ\0") {
-        foreign("a file packed with xz", "unpack it first")
+    } else if let Some(found) = foreign::of_bytes(head) {
+        Some(Kind::Foreign(found))
     } else if begins(b"PK\x03\x04") {
         foreign("a zip archive", "unpack it first")
-    } else if begins(b"\x89HDF\r\n\x1a\n") {
-        foreign("HDF5", "convert it to NIfTI, NRRD or MetaImage first")
     } else if begins(b"\xff\xd8\xff") {
         foreign("a JPEG picture", "use TIFF or PNG slices")
     } else if begins(b"# vtk DataFile") {
@@ -130,6 +125,8 @@ fn kind_of(head: &[u8]) -> Option<Kind> {
         || (at(0, &348i32.to_be_bytes()) && at_most_7_axes(i16::from_be_bytes))
     {
         Some(Kind::MaybeAnalyze)
+    } else if mgh::begins_like_mgh(head) {
+        Some(Kind::Mgh)
     } else if begins_with_dicom_element(head) {
         Some(Kind::MaybeDicom)
     } else {

@@ -714,3 +714,103 @@ fn packed_files_make_a_series() {
         loaded.notes
     );
 }
+
+/// A segmentation of 3×3 samples: segment 1 at z = 0 and 6, segment 2 at z = 2; bits follow one another.
+fn segmentation() -> Set {
+    let frame = |segment: u16, z: u16| {
+        let mut number = Set::default();
+        number.shorts((0x62, 0x0B), b"US", &[segment]);
+        let mut place = Set::default();
+        place.text(POSITION, b"DS", &format!("-5\\-6\\{z}"));
+        let mut groups = Set::default();
+        groups
+            .sequence((0x62, 0x0A), &[number])
+            .sequence((0x20, 0x9113), &[place]);
+        groups
+    };
+    let segment = |number: u16, name: &str| {
+        let mut segment = Set::default();
+        segment
+            .shorts((0x62, 4), b"US", &[number])
+            .text((0x62, 5), b"LO", name)
+            .shorts((0x62, 0x0D), b"US", &[65535, 32896, 32896]);
+        segment
+    };
+    let mut axes = Set::default();
+    axes.text(ORIENTATION, b"DS", "1\\0\\0\\0\\1\\0");
+    let mut measures = Set::default();
+    measures
+        .text(SPACING, b"DS", "0.5\\0.25")
+        .text(BETWEEN_SLICES, b"DS", "2");
+    let mut shared = Set::default();
+    shared
+        .sequence((0x20, 0x9116), &[axes])
+        .sequence((0x28, 0x9110), &[measures]);
+    let mut set = image(3, 3, &[]);
+    set.0
+        .retain(|element| element.0 != 0x20 || element.1 == 0x0E);
+    // Frames of 9 bits: 100000001, 000010000, 010000010, lowest bit first.
+    set.put(
+        PIXELS,
+        b"OB",
+        &[0b0000_0001, 0b0010_0001, 0b0000_1000, 0b0000_0010],
+    )
+    .text((8, 0x16), b"UI", "1.2.840.10008.5.1.4.1.1.66.4")
+    .text((8, 0x60), b"CS", "SEG")
+    .shorts((0x28, 0x100), b"US", &[1])
+    .shorts((0x28, 0x101), b"US", &[1])
+    .shorts((0x28, 0x102), b"US", &[0])
+    .text(FRAMES, b"IS", "3")
+    .sequence((0x62, 2), &[segment(1, "liver"), segment(2, "tumour")])
+    .sequence((0x5200, 0x9229), &[shared])
+    .sequence(PER_FRAME, &[frame(1, 0), frame(2, 2), frame(1, 6)]);
+    set
+}
+
+#[test]
+fn segmentations_become_labels() {
+    let set = segmentation();
+    for loaded in [
+        one(&set).unwrap(),
+        folder(std::slice::from_ref(&set), 0).unwrap(),
+    ] {
+        assert_eq!(loaded.volume.grid().dims(), [3, 3, 4]);
+        let place = affine(
+            [[-0.25, 0.0, 0.0], [0.0, -0.5, 0.0], [0.0, 0.0, 2.0]],
+            [5.0, 6.0, 0.0],
+        );
+        assert_affine(loaded.volume.grid().world_from_voxel(), place, 1e-12);
+        let mut expected = vec![0; 36];
+        for (at, label) in [(0, 1), (8, 1), (9 + 4, 2), (27 + 1, 1), (27 + 7, 1)] {
+            expected[at] = label;
+        }
+        assert_eq!(*loaded.volume.samples(), Samples::U8(expected));
+        let labels = loaded.labels.unwrap();
+        assert_eq!((labels[1].id, labels[1].name.as_str()), (2, "tumour"));
+        let color = labels[0].color.unwrap();
+        assert!(color.iter().all(|c| *c > 0.99), "{color:?}");
+    }
+    // One segment over another.
+    let mut set = segmentation();
+    let groups = |z: u16, segment: u16| {
+        let mut number = Set::default();
+        number.shorts((0x62, 0x0B), b"US", &[segment]);
+        let mut place = Set::default();
+        place.text(POSITION, b"DS", &format!("0\\0\\{z}"));
+        let mut groups = Set::default();
+        groups
+            .sequence((0x62, 0x0A), &[number])
+            .sequence((0x20, 0x9113), &[place]);
+        groups
+    };
+    set.sequence(PER_FRAME, &[groups(0, 1), groups(0, 2), groups(0, 3)])
+        .put(PIXELS, b"OB", &[0xFF; 4]);
+    let loaded = one(&set).unwrap();
+    assert_eq!(*loaded.volume.samples(), Samples::U8(vec![3; 9]));
+    assert!(loaded.notes[0].contains("18 voxels"), "{:?}", loaded.notes);
+    // A place that lies far off would be empty memory.
+    set.sequence(PER_FRAME, &[groups(0, 1), groups(60_000, 2), groups(2, 3)]);
+    assert!(message(&[("a.dcm", &set.file())]).contains("slices"));
+    set.put(PIXELS, b"OB", &[0xFF; 2]);
+    assert!(message(&[("a.dcm", &set.file())]).contains("cut off"));
+}

@@ -5,6 +5,7 @@ mod dicom;
 mod hostile;
 mod mesh;
 mod metaimage;
+mod mgh;
 mod nifti;
 mod nrrd;
 mod real_files;

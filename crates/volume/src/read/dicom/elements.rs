@@ -42,6 +42,8 @@ const SEQUENCE_END: Tag = Tag(0xFFFE, 0xE0DD);
 /// The sequences that are descended into.
 const SEQUENCES: &[Tag] = &[
     tags::DIRECTORY_RECORD_SEQUENCE,
+    tags::SEGMENT_SEQUENCE,
+    tags::SEGMENT_IDENTIFICATION_SEQUENCE,
     tags::DIMENSION_INDEX_SEQUENCE,
     tags::DIFFUSION_GRADIENT_DIRECTION_SEQUENCE,
     tags::SHARED_FUNCTIONAL_GROUPS_SEQUENCE,
@@ -119,6 +121,12 @@ const VALUES: &[Tag] = &[
     tags::DOSE_GRID_SCALING,
     tags::EXTENDED_OFFSET_TABLE,
     tags::REFERENCED_FILE_ID,
+    tags::SEGMENTATION_TYPE,
+    tags::SEGMENT_NUMBER,
+    tags::SEGMENT_LABEL,
+    tags::REFERENCED_SEGMENT_NUMBER,
+    tags::RECOMMENDED_DISPLAY_CIELAB_VALUE,
+    tags::MAXIMUM_FRACTIONAL_VALUE,
     tags::CONTENT_TIME,
     tags::COMPLEX_IMAGE_COMPONENT,
     tags::INVERSION_TIME,
@@ -657,7 +665,11 @@ impl<'a> Walk<'a> {
                 | tags::TIME_SLOT_VECTOR
                 | tags::SLICE_VECTOR
                 | tags::ANGULAR_VIEW_VECTOR
-                | tags::TIME_SLICE_VECTOR => 2,
+                | tags::TIME_SLICE_VECTOR
+                | tags::SEGMENT_NUMBER
+                | tags::REFERENCED_SEGMENT_NUMBER
+                | tags::RECOMMENDED_DISPLAY_CIELAB_VALUE
+                | tags::MAXIMUM_FRACTIONAL_VALUE => 2,
                 tags::TEMPORAL_POSITION_INDEX | tags::DIMENSION_INDEX_VALUES => 4,
                 tags::DIFFUSION_GRADIENT_ORIENTATION
                 | tags::EFFECTIVE_ECHO_TIME

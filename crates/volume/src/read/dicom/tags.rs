@@ -121,6 +121,14 @@ tags! {
     SLICE_VECTOR = 0x0054, 0x0080, "SliceVector";
     ANGULAR_VIEW_VECTOR = 0x0054, 0x0090, "AngularViewVector";
     TIME_SLICE_VECTOR = 0x0054, 0x0100, "TimeSliceVector";
+    SEGMENTATION_TYPE = 0x0062, 0x0001, "SegmentationType";
+    SEGMENT_SEQUENCE = 0x0062, 0x0002, "SegmentSequence";
+    SEGMENT_NUMBER = 0x0062, 0x0004, "SegmentNumber";
+    SEGMENT_LABEL = 0x0062, 0x0005, "SegmentLabel";
+    SEGMENT_IDENTIFICATION_SEQUENCE = 0x0062, 0x000A, "SegmentIdentificationSequence";
+    REFERENCED_SEGMENT_NUMBER = 0x0062, 0x000B, "ReferencedSegmentNumber";
+    RECOMMENDED_DISPLAY_CIELAB_VALUE = 0x0062, 0x000D, "RecommendedDisplayCIELabValue";
+    MAXIMUM_FRACTIONAL_VALUE = 0x0062, 0x000E, "MaximumFractionalValue";
     UNITS = 0x0054, 0x1001, "Units";
     FRAME_REFERENCE_TIME = 0x0054, 0x1300, "FrameReferenceTime";
     DOSE_UNITS = 0x3004, 0x0002, "DoseUnits";
