@@ -7,9 +7,9 @@ use crate::even::EvenCubes;
 use crate::levels::Level;
 use crate::library::classify::Integrals;
 use crate::library::composite::{Rule, with_rule};
-use crate::library::fetch::{MarschnerLobb, Noise, Shape};
+use crate::library::fetch::{Shape, of_function};
 use crate::library::jitter::Jitters;
-use crate::library::reconstruct::{Values, of_fetch, values};
+use crate::library::reconstruct::{Values, of_voxels, values};
 use crate::making::Making;
 use crate::meshes::Meshes;
 use crate::rejection::{OfCubic, Rejection};
@@ -148,30 +148,9 @@ fn label_numbers(
 
 /// The values of a field: slots fetch and reconstruct.
 fn values_of<'a, S: Level>(source: &'a Source, field: &Field) -> Box<dyn Values<S> + 'a> {
-    let shape = Shape::new(&field.grid);
-    match field.fetch {
-        Fetch::MarschnerLobb { frequency, alpha } => {
-            let fetch = MarschnerLobb {
-                shape,
-                frequency,
-                alpha,
-            };
-            of_fetch(fetch, Rescale::IDENTITY, field.reconstruct)
-        }
-        Fetch::Noise {
-            cell_voxels,
-            octaves,
-            seed,
-        } => {
-            let fetch = Noise {
-                shape,
-                cell_voxels,
-                octaves,
-                seed,
-            };
-            of_fetch(fetch, Rescale::IDENTITY, field.reconstruct)
-        }
-        Fetch::Stored => {
+    match of_function(field.fetch, Shape::new(&field.grid)) {
+        Some(numbers) => of_voxels(numbers, Rescale::IDENTITY, field.reconstruct),
+        None => {
             let samples = source.volume.samples();
             values(&field.grid, samples, source.rescale, field.reconstruct)
         }

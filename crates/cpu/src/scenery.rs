@@ -4,7 +4,7 @@ use crate::elementary::{opacity_of_half, opacity_of_length, opacity_of_lengths};
 use crate::even::EvenCubes;
 use crate::lanes::{Affine, F32s, Mask, Vec3s};
 use crate::levels::{Level, inlined, vectorized};
-use crate::library::classify::{Between, Integrals, Surface, Table, classify};
+use crate::library::classify::{Between, Integrals, Sample, Surface, Table, classify};
 use crate::library::clip_sample::SampleClips;
 use crate::library::fetch::Linear;
 use crate::library::gradient::Gradients;
@@ -245,15 +245,15 @@ impl<'p, S: Level> Object<'p, S> {
         vectorized::<S, _>(
             #[inline(always)]
             || {
-                classify(
-                    self.classify,
-                    &self.table,
-                    &self.gradients,
-                    self.values,
+                let sample = Sample {
                     value,
                     position,
                     asked,
-                )
+                    table: &self.table,
+                    gradients: &self.gradients,
+                    values: self.values,
+                };
+                classify(self.classify, &sample)
             },
         )
     }

@@ -1,58 +1,33 @@
 //! Slot classify: value → colour and opacity.
 
 mod between;
-mod grey;
 mod integrals;
-mod pre_classified;
+mod sample;
 mod surface;
-mod table;
+mod transfer;
 
 pub use between::Between;
 pub use integrals::Integrals;
+pub use sample::Sample;
 pub use surface::Surface;
-pub use table::Table;
+pub use transfer::Table;
 
-use crate::lanes::{F32s, Mask, Vec3s, length};
 use crate::levels::Level;
-use crate::library::gradient::Gradients;
-use crate::library::reconstruct::Values;
-use strahl_scene::plan::Classify;
+use strahl_scene::plan::{Classify, for_each_function};
 
-/// Colour and opacity of `value` at `position` (voxel space) where `asked`; anything elsewhere.
-#[inline(always)]
-pub fn classify<S: Level>(
-    method: Classify,
-    table: &Table,
-    gradients: &Gradients,
-    values: &dyn Values<S>,
-    value: F32s<S>,
-    position: Vec3s<S>,
-    asked: Mask<S>,
-) -> Surface<S> {
-    match method {
-        Classify::Table => table.at(value),
-        Classify::Identity { black, white } => grey::at(value, black, white),
-        Classify::Threshold {
-            threshold,
-            black,
-            white,
-        } => grey::above(value, threshold, black, white),
-        Classify::GradientTable {
-            low_per_mm,
-            high_per_mm,
-        } => {
-            let mut surface = table.at(value);
-            let asked = asked & F32s::zero().lt(surface.opacity);
-            if asked.any() {
-                // The gradient of the value: that of the opacity would ask for this very function.
-                let gradient = gradients.of_values(values, position, asked);
-                let above = length(gradient) - F32s::splat(low_per_mm);
-                let span = F32s::splat((high_per_mm - low_per_mm).max(1e-30));
-                let part = above.over(span).max(F32s::zero()).min(F32s::splat(1.0));
-                surface.opacity = surface.opacity * part;
+/// A file per function of the registry, each with a function `surface` of the sample and the function's parameters.
+macro_rules! functions {
+    ($(; $meaning:literal $variant:ident $name:ident $word:literal { $($field:ident),* })*) => {
+        $(mod $name;)*
+
+        /// Colour and opacity of a sample where it is asked for; anything elsewhere.
+        #[inline(always)]
+        pub fn classify<S: Level>(method: Classify, sample: &Sample<S>) -> Surface<S> {
+            match method {
+                $(Classify::$variant { $($field),* } => $name::surface(sample, $($field),*),)*
             }
-            surface
         }
-        Classify::PreClassified => pre_classified::at(table, values, position),
-    }
+    };
 }
+
+for_each_function! { Classify => functions! {} }

@@ -2,14 +2,39 @@
 
 mod apart;
 mod linear;
-mod marschner_lobb;
-mod noise;
 mod shape;
 mod voxels;
 
 pub use apart::Apart;
 pub use linear::Linear;
-pub use marschner_lobb::MarschnerLobb;
-pub use noise::Noise;
 pub use shape::Shape;
 pub use voxels::{Corners, Fetch};
+
+use crate::levels::Level;
+use strahl_scene::plan::{self, for_each_function};
+
+/// A file per function of the registry, with a type of the same name: the shape of the grid and the function's parameters.
+/// What is stored, the first one, is [`Linear`].
+macro_rules! functions {
+    (
+        ; $of_stored:literal Stored stored $word_of_stored:literal {}
+        $(; $meaning:literal $variant:ident $name:ident $word:literal { $($field:ident),* })*
+    ) => {
+        $(mod $name;)*
+
+        /// The numbers that a function gives; `None` where they are stored.
+        pub fn of_function<S: Level>(
+            function: plan::Fetch,
+            shape: Shape,
+        ) -> Option<Apart<'static, S>> {
+            match function {
+                plan::Fetch::Stored => None,
+                $(plan::Fetch::$variant { $($field),* } => {
+                    Some(Apart::new($name::$variant { shape, $($field),* }))
+                })*
+            }
+        }
+    };
+}
+
+for_each_function! { Fetch => functions! {} }

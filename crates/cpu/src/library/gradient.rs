@@ -1,16 +1,37 @@
 //! Slot gradient: the change of a field, in world space, per mm.
 
-mod b_spline;
-mod differences;
 mod field;
-mod sobel;
 
 use crate::lanes::{F32s, Mask, Vec3s, each};
 use crate::levels::{Level, vectorized};
 use crate::library::reconstruct::Values;
 use field::Field;
-use strahl_scene::plan::GradientMethod;
+use strahl_scene::plan::{GradientMethod, for_each_function};
 use strahl_volume::Grid;
+
+/// A file per estimate of the registry, each with a function `per_voxel` of the field, the position (voxel space) and the
+/// estimate's parameters.
+macro_rules! estimates {
+    ($(; $meaning:literal $variant:ident $name:ident $word:literal { $($field:ident),* })*) => {
+        $(mod $name;)*
+
+        /// The gradient in voxel space.
+        #[inline(always)]
+        fn per_voxel<S: Level>(
+            method: GradientMethod,
+            field: &Field<S>,
+            position: Vec3s<S>,
+        ) -> Vec3s<S> {
+            match method {
+                $(GradientMethod::$variant { $($field),* } => {
+                    $name::per_voxel(field, position, $($field),*)
+                })*
+            }
+        }
+    };
+}
+
+for_each_function! { GradientMethod => estimates! {} }
 
 /// How gradients are found in one object.
 pub struct Gradients {
@@ -49,17 +70,7 @@ impl Gradients {
     pub fn of<S: Level>(&self, field: &Field<S>, position: Vec3s<S>) -> Vec3s<S> {
         vectorized::<S, _>(
             #[inline(always)]
-            || {
-                let in_voxel = match self.method {
-                    GradientMethod::Forward => differences::forward(field, position),
-                    GradientMethod::Backward => differences::backward(field, position),
-                    GradientMethod::Central => differences::central(field, position),
-                    GradientMethod::Central9 => differences::central_9(field, position),
-                    GradientMethod::Sobel => sobel::per_voxel(field, position),
-                    GradientMethod::BSpline => b_spline::per_voxel(field, position),
-                };
-                self.in_world(in_voxel)
-            },
+            || self.in_world(per_voxel(self.method, field, position)),
         )
     }
 

@@ -5,11 +5,34 @@ mod place;
 
 pub use place::Place;
 
-use crate::lanes::{F32s, Mask, Vec3s, length};
+use crate::lanes::{F32s, Mask, Vec3s};
 use crate::levels::Level;
 use crate::library::classify::Surface;
 use crate::library::light::Light;
-use strahl_scene::plan::{Plan, Shade};
+use strahl_scene::plan::{Plan, Shade, for_each_function};
+
+/// A file per function of the registry that the Plan has a variant for, each with a function `look` of the surface, its place
+/// and the function's parameters.
+macro_rules! functions {
+    ($(; $meaning:literal $variant:ident $name:ident $word:literal { $($field:ident),* })*) => {
+        $(mod $name;)*
+
+        /// The look of `surface` by one of them.
+        #[inline(always)]
+        fn look_otherwise<S: Level>(
+            model: Shade,
+            surface: Surface<S>,
+            place: &Place<S, impl Fn() -> Vec3s<S>, impl Fn() -> Vec3s<S>>,
+        ) -> Surface<S> {
+            match model {
+                Shade::Unlit | Shade::Lit { .. } => surface,
+                $(Shade::$variant { $($field),* } => $name::look(surface, place, $($field),*),)*
+            }
+        }
+    };
+}
+
+for_each_function! { Shade => functions! {} }
 
 /// How samples are shaded.
 pub struct Shading {
@@ -39,7 +62,7 @@ impl Shading {
             Shade::Lit {
                 keep_last_normal, ..
             } => !keep_last_normal,
-            Shade::GradientOpacity { .. } => false,
+            _ => false,
         }
     }
 
@@ -77,13 +100,7 @@ impl Shading {
                 );
                 Surface { colour, ..surface }
             }
-            Shade::GradientOpacity { full_per_mm } => {
-                let part = length((place.gradient)()).over(F32s::splat(full_per_mm));
-                Surface {
-                    opacity: surface.opacity * part.min(F32s::splat(1.0)),
-                    ..surface
-                }
-            }
+            model => look_otherwise(model, surface, place),
         }
     }
 }

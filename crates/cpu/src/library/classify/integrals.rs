@@ -6,7 +6,7 @@
 //! the data.
 
 use super::surface::Surface;
-use super::table::Table;
+use super::transfer::Table;
 use crate::elementary::opacity_of_lengths;
 use crate::lanes::{F32s, I32s, Mask, each, row_pairs};
 use crate::levels::{Level, inlined};

@@ -1,15 +1,15 @@
+use super::sample::Sample;
 use super::surface::Surface;
-use super::table::Table;
-use crate::lanes::{F32s, I32s, Vec3s, each};
+use crate::lanes::{F32s, I32s, each};
 use crate::levels::Level;
-use crate::library::reconstruct::Values;
 
 /// The eight voxels around are classified, and the premultiplied colours interpolated: what programs
 /// did that classify first, for comparison.
 #[inline(always)]
-pub fn at<S: Level>(table: &Table, values: &dyn Values<S>, position: Vec3s<S>) -> Surface<S> {
+pub fn surface<S: Level>(sample: &Sample<S>) -> Surface<S> {
+    let (table, values) = (sample.table, sample.values);
     let shape = values.shape();
-    let clamped = shape.clamp(position);
+    let clamped = shape.clamp(sample.position);
     let cell = shape.cell(clamped);
     let part = each!([0, 1, 2], |axis| clamped[axis] - cell[axis].to_f32s());
     let one = F32s::splat(1.0);
