@@ -46,7 +46,7 @@ pub fn covers(plan: &Plan) -> bool {
             keep_last_normal,
             ..
         } => matches!(illuminate, Illuminate::BlinnPhong { .. }) && !keep_last_normal,
-        Shade::GradientOpacity { .. } => false,
+        _ => false,
     };
     let projection = matches!(
         plan.technique().composite,
@@ -65,10 +65,13 @@ pub fn covers(plan: &Plan) -> bool {
         && plan.technique().gradient_input == GradientInput::Value
         && lit_well
         && !(projection && plan.technique().shade != Shade::Unlit)
-        && !matches!(
-            plan.technique().composite,
-            Composite::Gmip { .. } | Composite::Mida { .. } | Composite::Debug(_)
-        )
+        && (projection
+            || matches!(
+                plan.technique().composite,
+                Composite::EmissionAbsorption { .. }
+                    | Composite::BackToFront
+                    | Composite::FirstHit { .. }
+            ))
         && !(plan.lights.iter()).any(|light| matches!(light, PlanLight::Point { .. }))
         && plan
             .sample_clips

@@ -2,10 +2,11 @@
 
 use crate::random::{Random, seeds};
 use crate::segments::{any_segments, data};
+use crate::variants::any_of;
 use std::ops::{ControlFlow, Range};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use strahl_cpu::{InstructionSet, Options, Renderer};
-use strahl_scene::plan::{Composite, DebugView, Plan, Sampling, Shade};
+use strahl_scene::plan::{Composite, Plan, Sampling, Shade};
 use strahl_scene::{Counts, Rendered};
 use strahl_volume::{Control, Datasets, Grid, Volume};
 
@@ -85,7 +86,7 @@ fn check(random: &mut Random, what: &str, renderer: &Renderer, plan: &Plan) {
     }
 }
 
-/// Any composite, those included that random Plans have not.
+/// Any composite of the registry, with random values.
 fn any_composite(random: &mut Random, plan: &mut Plan, volume: &Volume) {
     let [lo, hi] = volume
         .statistics()
@@ -93,36 +94,10 @@ fn any_composite(random: &mut Random, plan: &mut Plan, volume: &Volume) {
         .map(|end| end.clamp(-1e9, 1e9) as f32);
     let per_mm = (hi - lo).max(1.0);
     let technique = plan.technique_mut();
-    let composite = match random.below(12) {
-        0 => Composite::BackToFront,
-        1 => Composite::Gmip {
-            white_per_mm: per_mm,
-        },
-        2 | 3 => Composite::Mida {
-            low: lo,
-            high: lo + per_mm,
-            blend: random.pick(&[-1.0, -0.5, 0.0]),
-            stop_at_transmittance: random.pick(&[0.0, 0.1]),
-        },
-        4 => Composite::Debug(random.pick(&[
-            DebugView::Entry,
-            DebugView::Exit,
-            DebugView::Normal,
-            DebugView::GradientRaw,
-            DebugView::GradientMagnitude {
-                white_per_mm: per_mm,
-            },
-            DebugView::SampleCount { white: 20.0 },
-            DebugView::Depth {
-                near_mm: 0.0,
-                far_mm: 100.0,
-            },
-        ])),
-        _ => technique.composite,
-    };
-    if composite != technique.composite {
-        technique.composite = composite;
-        if !matches!(composite, Composite::BackToFront | Composite::Mida { .. }) {
+    if random.once_in(2) {
+        let (name, values) = any_of("composite", random, [lo, lo + per_mm], per_mm);
+        technique.composite = Composite::of(name, |parameter| values[parameter]).unwrap();
+        if !technique.composite.function().has_place {
             technique.shade = Shade::Unlit;
         }
     }
@@ -131,7 +106,7 @@ fn any_composite(random: &mut Random, plan: &mut Plan, volume: &Volume) {
             keep_last_normal, ..
         } => *keep_last_normal = random.once_in(3),
         Shade::Unlit if random.once_in(6) => {
-            if let Composite::EmissionAbsorption { .. } = composite {
+            if let Composite::EmissionAbsorption { .. } = technique.composite {
                 technique.shade = Shade::GradientOpacity {
                     full_per_mm: per_mm,
                 };

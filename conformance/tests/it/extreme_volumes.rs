@@ -5,9 +5,11 @@ use glam::{DMat3, DVec3};
 use strahl_conformance::renderers;
 use strahl_scene::plan::Composite;
 use strahl_scene::{Method, Scene, resolve};
+use strahl_shader::registry::Function;
 use strahl_volume::{Samples, Volume};
 
-const COMPOSITES: [Composite; 5] = [
+/// Those that show the value of a volume that has one value only.
+const SHOWING_VALUES: [Composite; 5] = [
     Composite::EmissionAbsorption {
         stop_at_transmittance: 0.0,
     },
@@ -50,15 +52,8 @@ fn scenes_of_every_method_resolve_and_draw_finite_pixels() {
         ),
         f64s([2, 1, 1], vec![-1e30, 1e30]),
     ];
-    let methods = [
-        Method::EmissionAbsorption,
-        Method::Mip,
-        Method::Minip,
-        Method::Average,
-        Method::FirstHit,
-    ];
     for (i, volume) in volumes.iter().enumerate() {
-        for method in methods {
+        for method in Method::ALL {
             let scene = Scene {
                 method: Some(method),
                 size: Some([7, 5]),
@@ -80,7 +75,8 @@ fn scenes_of_every_method_resolve_and_draw_finite_pixels() {
 fn what_is_not_finite_is_not_there() {
     for missing in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300] {
         let volume = f64s([3; 3], vec![missing; 27]);
-        for composite in COMPOSITES {
+        for function in Function::of_slot("composite") {
+            let composite = Composite::of(function.name, |p| function.default_of(p)).unwrap();
             let mut plan = plan(&volume, parallel(DVec3::Y, 9.0, 1.0), grey(-1.0, 1.0));
             plan.technique_mut().composite = composite;
             plan.background = [0.25, 0.5, 0.75, 1.0];
@@ -92,7 +88,7 @@ fn what_is_not_finite_is_not_there() {
         let mut values = vec![0.5; 5 * 5 * 5];
         values[0] = missing;
         let volume = f64s([5; 3], values);
-        for composite in COMPOSITES {
+        for composite in SHOWING_VALUES {
             let mut plan = plan(&volume, parallel(DVec3::Y, 9.0, 0.9), grey(-1.0, 1.0));
             plan.technique_mut().composite = composite;
             for (name, _, _, pixel) in draw(&volume, &plan) {

@@ -243,19 +243,11 @@ fn scan(name: &str) -> Option<Volume> {
 /// Every composite, unlit and lit where it may be, of a scan with its own preset.
 fn check_scan(name: &str) {
     let Some(volume) = scan(name) else { return };
-    let methods = [
-        Method::EmissionAbsorption,
-        Method::Mip,
-        Method::Minip,
-        Method::Average,
-        Method::FirstHit,
-    ];
-    for method in methods {
-        let surface = matches!(method, Method::EmissionAbsorption | Method::FirstHit);
-        let models: &[_] = if surface {
-            &[ShadingModel::Unlit, ShadingModel::BlinnPhong]
-        } else {
+    for method in Method::ALL {
+        let models: &[_] = if method.is_projection() {
             &[ShadingModel::Unlit]
+        } else {
+            &[ShadingModel::Unlit, ShadingModel::BlinnPhong]
         };
         for &model in models {
             let scene = Scene {

@@ -16,14 +16,12 @@ use strahl_scene::transfer::TransferTable;
 use strahl_shader::registry::Function;
 use strahl_volume::{Control, Datasets, Grid, Mesh, Samples, Volume};
 
-const GRADIENTS: [GradientMethod; 6] = [
-    GradientMethod::Forward,
-    GradientMethod::Backward,
-    GradientMethod::Central,
-    GradientMethod::Central9,
-    GradientMethod::Sobel,
-    GradientMethod::BSpline,
-];
+/// Every estimate of the gradient.
+fn estimates() -> Vec<GradientMethod> {
+    Function::of_slot("gradient")
+        .map(|function| GradientMethod::of(function.name, |p| function.default_of(p)).unwrap())
+        .collect()
+}
 
 pub fn draw(data: impl Into<Datasets>, plan: &Plan) -> Rendered {
     draw_with(data, plan, &Options::default())
@@ -70,7 +68,7 @@ fn every_estimator_gives_the_slope_of_a_ramp_on_every_grid() {
     let slope = DVec3::new(0.3, -0.2, 0.5);
     for grid in grids() {
         let ramp = volume(grid, |p| 0.5 + p.dot(slope));
-        for method in GRADIENTS {
+        for method in estimates() {
             let mut plan = plan(&ramp, parallel(DVec3::Y, 100.0, 0.5), white(1.0, 1.0));
             one_sample_at(&mut plan, 0.0);
             plan.field_mut().gradient = method;
@@ -110,7 +108,7 @@ fn the_gradient_of_opacity_is_that_of_the_classified_ramp() {
     plan.technique_mut().composite =
         Composite::Debug(DebugView::GradientMagnitude { white_per_mm: 0.02 });
     plan.technique_mut().gradient_input = GradientInput::Opacity;
-    for method in GRADIENTS {
+    for method in estimates() {
         plan.field_mut().gradient = method;
         let found = draw(&values, &plan).image.pixel(4, 3)[0];
         assert!((found - 0.8).abs() < 1e-3, "{method:?}: {found}");
@@ -490,7 +488,7 @@ fn an_interpolating_spline_goes_through_the_voxels() {
 }
 
 /// Any function of a slot that is a choice of its own, with random values.
-fn any_of(
+pub fn any_of(
     slot: &str,
     random: &mut Random,
     [low, high]: [f32; 2],
@@ -523,8 +521,9 @@ pub fn any_variant(random: &mut Random, volume: &Volume) -> Plan {
     plan.field_mut().reconstruct = Reconstruct::of(name, |p| values[p]).unwrap();
     let (name, values) = any("fetch");
     let (model, of_model) = any("illuminate");
+    let (shade, of_shade) = any("shade");
     let keep_last_normal = random.once_in(2);
-    plan.field_mut().gradient = random.pick(&GRADIENTS);
+    plan.field_mut().gradient = random.pick(&estimates());
     if random.once_in(2) {
         plan.field_mut().fetch = Fetch::of(name, |p| values[p]).unwrap();
     }
@@ -541,11 +540,10 @@ pub fn any_variant(random: &mut Random, volume: &Volume) -> Plan {
             illuminate: Illuminate::of(model, |p| of_model[p]).unwrap(),
             keep_last_normal,
         },
-        Shade::GradientOpacity { full_per_mm: steep },
+        Shade::of(shade, |p| of_shade[p]).unwrap_or(Shade::GradientOpacity { full_per_mm: steep }),
     ]);
     // What belongs to no place of the ray has no surface: `resolve` refuses to light it.
-    let composite = plan.technique().composite;
-    if matches!(composite, Composite::Average | Composite::Gmip { .. }) {
+    if !plan.technique().composite.function().has_place {
         plan.technique_mut().shade = Shade::Unlit;
     }
     if random.once_in(4) {

@@ -14,6 +14,7 @@
 /// | `gmip` | `value`, `number` |
 /// | `first_hit` | `alpha`, `place`: until the ray is finished, the number of the lattice point that was hit |
 /// | debug views | `color`, `alpha`; `sample_count`: `number` |
+/// | any other | what its file in `library/composite` says |
 ///
 /// Shading that keeps the last normal needs `last_normal`. Segments of a label volume need `segment`, `technique` and
 /// what begins with `seen` and `hit`; the fields of the composite are then those of the run that goes on. Of the rules of sampling

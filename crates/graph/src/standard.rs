@@ -8,6 +8,7 @@
 use crate::error::{Error, Problem};
 use crate::model::{Carried, Constant, Graph, Input, Kind, Loop, Node, Reference};
 use strahl_scene::plan::{Composite, Plan, Sampling, Shade};
+use strahl_shader::registry::mixing_rules;
 
 /// The graph that draws `plan`, with its slots as the settings fill them.
 ///
@@ -28,9 +29,10 @@ pub fn standard(plan: &Plan) -> Result<Graph, Error> {
         ));
     }
     if plan.layers.len() > 1 && !plan.technique().composite.mixes_layers() {
-        return Err(refused(
-            "several objects are mixed along the ray by emission-absorption and back-to-front only",
-        ));
+        return Err(refused(&format!(
+            "several objects are mixed along the ray by {} only",
+            mixing_rules()
+        )));
     }
     if plan.labelled().is_some() {
         return Err(refused(

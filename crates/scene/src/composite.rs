@@ -74,7 +74,7 @@ impl SettledComposite {
                 view,
                 DebugView::GradientMagnitude | DebugView::SampleCount | DebugView::Depth
             ),
-            None => method == Method::Gmip,
+            None => method.has("white_per_mm"),
         };
         if shows_grey {
             scene.grey_range.get_or_insert(self.grey_range);

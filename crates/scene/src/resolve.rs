@@ -15,6 +15,7 @@ use crate::{
     Background, Camera, Compositing, Headers, Jitter, PresetInfo, Problem, Problems, Scene,
     function, object, presets, sampling,
 };
+use strahl_shader::registry::mixing_rules;
 use strahl_volume::{Grid, VolumeHeader};
 
 /// [`resolve_with`] for a scene of one volume. `labels` is the grid of the label volume, if one is
@@ -173,8 +174,11 @@ fn check_together(plan: &Plan, checker: &mut Checker) {
     if plan.layers.len() > 1 && !plan.technique().composite.mixes_layers() {
         checker.add(
             "method",
-            "one that draws a single number per ray, with several volumes",
-            "emission-absorption: values of different volumes cannot be compared; or one volume",
+            format!(
+                "{:?}, which does not mix several volumes",
+                plan.technique().composite.function().word
+            ),
+            &format!("{}; or one volume", mixing_rules()),
         );
     }
     let takes_opacity = |t: &Technique| t.gradient_input == PlanGradientInput::Opacity;

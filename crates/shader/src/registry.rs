@@ -109,6 +109,18 @@ impl Function {
     }
 }
 
+/// Composite rules by which several layers can be drawn, as scenes call them: `one, two or three`.
+pub fn mixing_rules() -> String {
+    let mixing: Vec<_> = Function::of_slot("composite")
+        .filter(|function| function.mixes_layers)
+        .map(|function| function.word)
+        .collect();
+    match &mixing[..] {
+        [others @ .., last] if !others.is_empty() => format!("{} or {last}", others.join(", ")),
+        few => few.concat(),
+    }
+}
+
 impl Composite {
     /// Whether a run of samples of one segment can become one sample by it.
     pub fn is_local(self) -> bool {

@@ -2,21 +2,20 @@
 
 use crate::{compile_over, march, standard_of};
 use strahl_graph::{By, Edit, EditList, Patterns, Reference, STAGES, edited};
-
-const SETTINGS: [&str; 6] = [
-    "",
-    r#", "shading": { "model": "unlit" }"#,
-    r#", "method": "mip""#,
-    r#", "method": "average""#,
-    r#", "method": "first-hit", "threshold": 0.5"#,
-    r#", "functions": { "composite": { "module": "back_to_front" } }"#,
-];
+use strahl_scene::Method;
 
 #[test]
 fn anchors_are_there_whatever_the_settings_are() {
-    for settings in SETTINGS {
-        let (_, _, names) = standard_of(settings);
+    let of_method = |method: Method| format!(r#", "method": "{}""#, method.name());
+    let unlit = r#", "shading": { "model": "unlit" }"#.to_owned();
+    for settings in Method::ALL.map(of_method).into_iter().chain([unlit]) {
+        let (_, _, names) = standard_of(&settings);
+        let classifies = names.contains_key("classify");
         for (stage, parts) in STAGES {
+            // A rule that shows how steep values are has no colors of samples.
+            if !classifies && ["classify", "shade"].contains(&stage) {
+                continue;
+            }
             assert!(
                 names.contains_key(&format!("before_{stage}")) || stage == "composite",
                 "{settings}: before_{stage}"
