@@ -1,5 +1,6 @@
 //! Values, gradients, projections and hits of fields that are known everywhere.
 
+use crate::random::{Random, seeds};
 use crate::simple::{self, centred, draw, grey, grids, one_sample_at, parallel, plan, value_shown};
 use glam::{DMat3, DVec3};
 use strahl_conformance::{closed_form, truth};
@@ -293,4 +294,57 @@ fn peaks_one_stored_number_wide_are_seen() {
         };
         assert_eq!(pixel, expected, "{name}, column {x}");
     }
+}
+
+/// The pixel of a ray whose samples are `entries`, one after the other: what the paper says, in double precision.
+fn peeled(entries: &[[f32; 4]], layer: u32, opaque_above: f32, clear_below: f32) -> [f64; 4] {
+    let (mut seen, mut in_layer) = ([0.0; 4], 0);
+    for &[r, g, b, opacity] in entries {
+        if seen[3] > f64::from(opaque_above) && opacity <= clear_below {
+            if in_layer == layer {
+                return seen;
+            }
+            in_layer += 1;
+            seen = [0.0; 4];
+        }
+        let share = (1.0 - seen[3]) * f64::from(opacity);
+        for (sum, part) in seen.iter_mut().zip([r, g, b, 1.0]) {
+            *sum += share * f64::from(part);
+        }
+    }
+    if in_layer == layer { seen } else { [0.0; 4] }
+}
+
+#[test]
+fn peeled_layers_are_those_of_the_samples_one_by_one() {
+    // Lattice points are voxel centres, and their values 0 to 31: each sample is an entry of the table.
+    let ramp = simple::volume(centred([2, 32, 2], DMat3::IDENTITY), |p| p.y + 15.5);
+    let mut layers_seen = [0; 4];
+    for seed in seeds(300) {
+        let mut random = Random::new(seed ^ 0x9EE1);
+        let mut unit = || random.unit() as f32;
+        let entries: Vec<[f32; 4]> = (0..32)
+            .map(|_| [unit(), unit(), unit(), (1.5 * unit() - 0.5).max(0.0)])
+            .collect();
+        let [opaque_above, clear_below] = [unit(), 0.5 * unit()];
+        let layer = random.below(4) as u32;
+        let table = TransferTable::new([0.0, 31.0], 1.0, entries.clone());
+        let mut plan = plan(&ramp, parallel(DVec3::Y, 60.0, 0.5), table);
+        (plan.width, plan.height) = (1, 1);
+        plan.lattice.step_mm = 1.0;
+        plan.technique_mut().composite = Composite::OpacityPeeling {
+            layer,
+            opaque_above,
+            clear_below,
+            stop_at_transmittance: 0.0,
+        };
+        let expected = peeled(&entries, layer, opaque_above, clear_below);
+        layers_seen[layer as usize] += usize::from(expected[3] > 0.0);
+        for (name, _, _, pixel) in draw(&ramp, &plan) {
+            let is_near = |(&a, &b): (&f32, &f64)| (f64::from(a) - b).abs() < 1e-5;
+            let close = pixel.iter().zip(&expected).all(is_near);
+            assert!(close, "{name}, seed {seed}: {pixel:?}, not {expected:?}");
+        }
+    }
+    assert!(layers_seen.iter().all(|&n| n >= 10), "{layers_seen:?}");
 }
