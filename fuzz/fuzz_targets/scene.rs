@@ -14,7 +14,9 @@ static HEADERS: LazyLock<[VolumeHeader; 2]> = LazyLock::new(|| {
             modality,
             ..Metadata::default()
         };
-        Volume::new(grid, samples, rescale, metadata).unwrap().header()
+        Volume::new(grid, samples, rescale, metadata)
+            .unwrap()
+            .header()
     };
     let stored = (0..24).map(|i| i * 150).collect();
     let ct = header(

@@ -12,6 +12,7 @@ from pathlib import Path
 import array_cases
 import case
 import dicom_cases
+import format_cases
 import metaimage_cases
 import nifti_cases
 import nrrd_cases
@@ -26,6 +27,7 @@ FAMILIES = {
     "arrays": array_cases.cases,
     "slices": slice_cases.cases,
     "dicom": dicom_cases.cases,
+    "formats": format_cases.cases,
 }
 
 

@@ -1,5 +1,6 @@
 //! Bytes in, volumes out. No reader touches the file system: what it needs comes through [`Files`].
 
+mod base64;
 mod bit_fields;
 mod block;
 mod dat;
@@ -13,8 +14,10 @@ mod loaded;
 pub mod mesh;
 mod metaimage;
 mod mgh;
+mod mrc;
 mod nifti;
 mod npy;
+mod npz;
 mod nrrd;
 mod options;
 mod png;
@@ -27,6 +30,8 @@ mod stored;
 mod tiff;
 mod unoriented;
 mod unpacked;
+mod vti;
+mod vtk;
 mod watched;
 
 use crate::{Control, Error, ErrorKind};
@@ -153,6 +158,14 @@ fn read_kind(kind: Kind, input: &Input, options: &ReadOptions) -> Result<Loaded,
         }
         .into()),
         Kind::Mgh => mgh::read(input, options),
+        Kind::Vtk => vtk::read(input, options),
+        Kind::Vti => vti::read(input, options),
+        Kind::Mrc => mrc::read(input, options),
+        Kind::Zip if npz::is_npz(input.bytes) => npz::read(input, options),
+        Kind::Zip => Err(not_read(Foreign {
+            what: "a zip archive without arrays of NumPy",
+            instead: "unpack it first",
+        })),
         Kind::Foreign(foreign) => Err(not_read(foreign)),
     }
 }
@@ -171,6 +184,9 @@ fn left_open(kind: Kind) -> Option<(&'static str, &'static [Open])> {
         Kind::Pvm => ("PVM", &[Open::Spacing]),
         Kind::Dicom => ("DICOM", DICOM_LEAVES_OPEN),
         Kind::Mgh => ("MGH", &[Open::Time]),
+        Kind::Vtk | Kind::Vti => ("VTK", &[Open::Spacing]),
+        Kind::Mrc => ("MRC", &[Open::Time, Open::Spacing]),
+        Kind::Zip => ("npz", &[Open::Time, Open::Spacing]),
         Kind::MaybeDicom | Kind::MaybeAnalyze | Kind::Packed(_) | Kind::Foreign(_) => {
             return None;
         }

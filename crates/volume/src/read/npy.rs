@@ -87,6 +87,12 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error
     })
 }
 
+/// How many axes the array has that begins with these bytes, if they are an array.
+pub(crate) fn axes(start: &[u8]) -> Option<usize> {
+    let header = Header::read(&start).ok()?;
+    Some(header.shape.len())
+}
+
 #[derive(Clone, Debug, PartialEq)]
 struct Header {
     dtype: DType,

@@ -16,6 +16,9 @@
 //! | npy       | 0      | 93 `NUMPY`                                                         |
 //! | PVM       | 0      | `PVM\n`, `PVM2\n`, `PVM3\n`, `DDS v3d\n`, `DDS v3e\n`              |
 //! | .dat      | 0      | text, a key of the format with `:` in one of the first lines       |
+//! | npz       | 0      | `PK` 03 04 (and arrays in it)                                      |
+//! | VTK       | 0      | `# vtk DataFile`; XML: `<VTKFile` among the first bytes            |
+//! | MRC       | 208    | `MAP `                                                             |
 //! | MGH       | 0      | i32 1, lengths, a type and a flag that make sense, big endian      |
 
 use super::foreign::{self, Foreign};
@@ -46,6 +49,13 @@ pub(crate) enum Kind {
     Pvm,
     Dat,
     Mgh,
+    /// VTK's legacy files.
+    Vtk,
+    /// VTK's files in XML.
+    Vti,
+    Mrc,
+    /// A ZIP archive, which may hold arrays of NumPy.
+    Zip,
     /// Known, but not a volume that can be read.
     Foreign(Foreign),
 }
@@ -114,11 +124,15 @@ fn kind_of(head: &[u8]) -> Option<Kind> {
     } else if let Some(found) = foreign::of_bytes(head) {
         Some(Kind::Foreign(found))
     } else if begins(b"PK\x03\x04") {
-        foreign("a zip archive", "unpack it first")
+        Some(Kind::Zip)
     } else if begins(b"\xff\xd8\xff") {
         foreign("a JPEG picture", "use TIFF or PNG slices")
     } else if begins(b"# vtk DataFile") {
-        foreign("a VTK file", "convert it to MetaImage or NRRD first")
+        Some(Kind::Vtk)
+    } else if head.windows(8).any(|word| word == b"<VTKFile") {
+        Some(Kind::Vti)
+    } else if at(208, b"MAP ") || at(208, b"MAP\0") {
+        Some(Kind::Mrc)
     } else if let Some(kind) = text_kind(head) {
         Some(kind)
     } else if (at(0, &348i32.to_le_bytes()) && at_most_7_axes(i16::from_le_bytes))

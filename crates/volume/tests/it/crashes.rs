@@ -8,7 +8,7 @@ use strahl_volume::read::{Loaded, MemoryFiles, ReadOptions, read_file, read_fold
 const SEPARATOR: &[u8] = b"\n--next file--\n";
 
 /// What the files of an input are called, and whether they are also read as a folder.
-const TARGETS: [(&str, &[&str], bool); 9] = [
+const TARGETS: [(&str, &[&str], bool); 14] = [
     ("dat", &["scan.dat", "scan.raw"], false),
     (
         "dicom",
@@ -17,7 +17,10 @@ const TARGETS: [(&str, &[&str], bool); 9] = [
     ),
     ("metaimage", &["scan.mhd", "scan.raw", "scan.1.raw"], false),
     ("nifti", &["scan.hdr", "scan.img"], false),
+    ("mgh", &["scan.mgh"], false),
+    ("mrc", &["scan.mrc"], false),
     ("npy", &["scan.npy"], false),
+    ("npz", &["scan.npz"], false),
     ("nrrd", &["scan.nhdr", "scan.raw", "scan.1.raw"], false),
     (
         "png",
@@ -26,6 +29,8 @@ const TARGETS: [(&str, &[&str], bool); 9] = [
     ),
     ("pvm", &["scan.pvm"], false),
     ("tiff", &["scan.tif"], false),
+    ("vti", &["scan.vti"], false),
+    ("vtk", &["scan.vtk"], false),
 ];
 
 fn folder(path: &str) -> PathBuf {

@@ -6,12 +6,14 @@ mod hostile;
 mod mesh;
 mod metaimage;
 mod mgh;
+mod mrc;
 mod nifti;
 mod nrrd;
 mod real_files;
 mod round_trip;
 mod slices;
 mod tiff;
+mod vtk;
 
 use glam::DAffine3;
 use strahl_volume::read::{Loaded, MemoryFiles, ReadOptions, read_file};

@@ -11,7 +11,10 @@ fn map(is_big: bool, mode: i32, data: &[u8], change: impl Fn(&mut Vec<i32>)) -> 
     let mut words = vec![0i32; 256];
     words[..4].copy_from_slice(&[3, 2, 2, mode]);
     words[7..10].copy_from_slice(&[3, 2, 2]);
-    for (word, length) in words[10..16].iter_mut().zip([3.0f32, 4.0, 8.0, 90.0, 90.0, 90.0]) {
+    for (word, length) in words[10..16]
+        .iter_mut()
+        .zip([3.0f32, 4.0, 8.0, 90.0, 90.0, 90.0])
+    {
         *word = length.to_bits() as i32;
     }
     words[16..19].copy_from_slice(&[1, 2, 3]);
@@ -19,7 +22,13 @@ fn map(is_big: bool, mode: i32, data: &[u8], change: impl Fn(&mut Vec<i32>)) -> 
     change(&mut words);
     let mut file: Vec<u8> = words
         .iter()
-        .flat_map(|n| if is_big { n.to_be_bytes() } else { n.to_le_bytes() })
+        .flat_map(|n| {
+            if is_big {
+                n.to_be_bytes()
+            } else {
+                n.to_le_bytes()
+            }
+        })
         .collect();
     file[208..212].copy_from_slice(b"MAP ");
     file[212..214].copy_from_slice(if is_big { &[0x11, 0x11] } else { &[0x44, 0x44] });
@@ -32,9 +41,17 @@ fn maps_lie_where_their_cell_says() {
     let angstrom = 1e-7;
     for is_big in [false, true] {
         let data: Vec<u8> = (0..12i16)
-            .flat_map(|n| if is_big { n.to_be_bytes() } else { n.to_le_bytes() })
+            .flat_map(|n| {
+                if is_big {
+                    n.to_be_bytes()
+                } else {
+                    n.to_le_bytes()
+                }
+            })
             .collect();
-        let file = map(is_big, 1, &data, |words| words[4..7].copy_from_slice(&[1, -1, 0]));
+        let file = map(is_big, 1, &data, |words| {
+            words[4..7].copy_from_slice(&[1, -1, 0])
+        });
         let loaded = read(&[("v.mrc", &file)]).unwrap();
         assert_eq!(*loaded.volume.samples(), Samples::I16((0..12).collect()));
         assert_eq!(loaded.volume.grid().dims(), [3, 2, 2]);
@@ -68,10 +85,15 @@ fn maps_lie_where_their_cell_says() {
 #[test]
 fn types_and_stacks_of_maps() {
     let bytes: Vec<u8> = (250..=255).chain(0..6).collect();
-    let unsigned = map(false, 0, &bytes, |words| words[38] = i32::from_le_bytes(*b"IMOD"));
+    let unsigned = map(false, 0, &bytes, |words| {
+        words[38] = i32::from_le_bytes(*b"IMOD")
+    });
     let loaded = read(&[("v.mrc", &unsigned)]).unwrap();
     assert_eq!(*loaded.volume.samples(), Samples::U8(bytes.clone()));
-    let half: Vec<u8> = [0x3C00u16; 12].iter().flat_map(|n| n.to_le_bytes()).collect();
+    let half: Vec<u8> = [0x3C00u16; 12]
+        .iter()
+        .flat_map(|n| n.to_le_bytes())
+        .collect();
     let loaded = read(&[("v.mrc", &map(false, 12, &half, |_| ()))]).unwrap();
     assert_eq!(*loaded.volume.samples(), Samples::F32(vec![1.0; 12]));
     let volumes = map(false, 0, &bytes, |words| (words[9], words[22]) = (1, 401));
@@ -92,7 +114,8 @@ fn zip(arrays: &[(&str, Vec<u8>)], deflated: bool) -> Vec<u8> {
     for (name, array) in arrays {
         let mut packed = array.clone();
         if deflated {
-            let mut packer = flate2::write::DeflateEncoder::new(Vec::new(), flate2::Compression::fast());
+            let mut packer =
+                flate2::write::DeflateEncoder::new(Vec::new(), flate2::Compression::fast());
             packer.write_all(array).unwrap();
             packed = packer.finish().unwrap();
         }
@@ -143,11 +166,21 @@ fn the_volume_of_an_archive_is_found() {
         let loaded = read(&[("v.npz", &alone)]).unwrap();
         assert_eq!(*loaded.volume.samples(), Samples::U8((1..=6).collect()));
         assert_eq!(loaded.volume.grid().dims(), [3, 2, 1]);
-        let both = zip(&[("affine.npy", affine.clone()), ("scan.npy", volume.clone())], deflated);
+        let both = zip(
+            &[("affine.npy", affine.clone()), ("scan.npy", volume.clone())],
+            deflated,
+        );
         let loaded = read(&[("v.npz", &both)]).unwrap();
         assert_eq!(*loaded.volume.samples(), Samples::U8((1..=6).collect()));
-        assert!(loaded.notes[0].contains("scan.npy is one of 2"), "{:?}", loaded.notes);
-        let two = zip(&[("a.npy", volume.clone()), ("b.npy", volume.clone())], deflated);
+        assert!(
+            loaded.notes[0].contains("scan.npy is one of 2"),
+            "{:?}",
+            loaded.notes
+        );
+        let two = zip(
+            &[("a.npy", volume.clone()), ("b.npy", volume.clone())],
+            deflated,
+        );
         assert!(message(&[("v.npz", &two)]).contains("2 arrays (a.npy, b.npy)"));
         for length in 0..alone.len() {
             assert!(read(&[("v.npz", &alone[..length])]).is_err(), "{length}");

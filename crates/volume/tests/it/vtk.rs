@@ -37,7 +37,11 @@ fn structured_points_are_read_from_text_and_bytes() {
     for file in [
         legacy("BINARY", scalars, &big()),
         legacy("BINARY", field, &big()),
-        legacy("BINARY", scalars, &[big(), b"\nMETADATA\n".to_vec()].concat()),
+        legacy(
+            "BINARY",
+            scalars,
+            &[big(), b"\nMETADATA\n".to_vec()].concat(),
+        ),
         legacy("ASCII", scalars, text),
         legacy("ASCII", "POINT_DATA 6\nSCALARS density short\n", text),
     ] {
@@ -57,14 +61,32 @@ fn structured_points_are_read_from_text_and_bytes() {
 #[test]
 fn other_data_of_vtk_is_named() {
     for (file, part) in [
-        (legacy("BINARY", "POINT_DATA 6\nSCALARS d short 3\n", &big()), "3 components"),
-        (legacy("BINARY", "POINT_DATA 6\nVECTORS d short\n", &big()), "several numbers"),
-        (legacy("BINARY", "POINT_DATA 5\nSCALARS d short\n", &big()), "6, for"),
-        (legacy("BINARY", "POINT_DATA 6\nSCALARS d bit\n", &big()), "`bit`"),
-        (legacy("BINARY", "POINT_DATA 6\nSCALARS d double\n", &big()), "cut off"),
+        (
+            legacy("BINARY", "POINT_DATA 6\nSCALARS d short 3\n", &big()),
+            "3 components",
+        ),
+        (
+            legacy("BINARY", "POINT_DATA 6\nVECTORS d short\n", &big()),
+            "several numbers",
+        ),
+        (
+            legacy("BINARY", "POINT_DATA 5\nSCALARS d short\n", &big()),
+            "6, for",
+        ),
+        (
+            legacy("BINARY", "POINT_DATA 6\nSCALARS d bit\n", &big()),
+            "`bit`",
+        ),
+        (
+            legacy("BINARY", "POINT_DATA 6\nSCALARS d double\n", &big()),
+            "cut off",
+        ),
         (legacy("HEX", "", &[]), "ASCII or BINARY"),
         (legacy("ASCII", "", &[]), "SCALARS is missing"),
-        (b"# vtk DataFile Version 2.0\nx\nASCII\nDATASET POLYDATA\n".to_vec(), "POLYDATA"),
+        (
+            b"# vtk DataFile Version 2.0\nx\nASCII\nDATASET POLYDATA\n".to_vec(),
+            "POLYDATA",
+        ),
     ] {
         let message = message(&[("v.vtk", &file)]);
         assert!(message.contains(part), "{part}: {message}");
@@ -127,16 +149,30 @@ fn every_encoding_of_xml_says_the_same() {
                     "byte_order=\"{}\" header_type=\"{}\"{}",
                     if is_big { "BigEndian" } else { "LittleEndian" },
                     if word == 8 { "UInt64" } else { "UInt32" },
-                    if packed { " compressor=\"vtkZLibDataCompressor\"" } else { "" }
+                    if packed {
+                        " compressor=\"vtkZLibDataCompressor\""
+                    } else {
+                        ""
+                    }
                 );
                 // VTK writes the header of packed data as a text of its own.
                 let text = match packed {
                     true => base64(&header) + &base64(&data),
                     false => base64(&[header.clone(), data.clone()].concat()),
                 };
-                files.push(xml(&attributes, "format=\"binary\"", &format!("\n {text}\n"), b""));
+                files.push(xml(
+                    &attributes,
+                    "format=\"binary\"",
+                    &format!("\n {text}\n"),
+                    b"",
+                ));
                 let offset = "format=\"appended\" offset=\"3\"";
-                let raw = [b"<AppendedData encoding=\"raw\">\n _xyz", &header[..], &data, b"</AppendedData>"];
+                let raw = [
+                    b"<AppendedData encoding=\"raw\">\n _xyz",
+                    &header[..],
+                    &data,
+                    b"</AppendedData>",
+                ];
                 files.push(xml(&attributes, offset, "", &raw.concat()));
                 let text = format!("<AppendedData encoding=\"base64\">_xyz{text}</AppendedData>");
                 files.push(xml(&attributes, offset, "", text.as_bytes()));
@@ -146,7 +182,11 @@ fn every_encoding_of_xml_says_the_same() {
     for file in files {
         let loaded = read(&[("v.vti", &file)]).unwrap();
         let shown = String::from_utf8_lossy(&file);
-        assert_eq!(*loaded.volume.samples(), Samples::I16(NUMBERS.to_vec()), "{shown}");
+        assert_eq!(
+            *loaded.volume.samples(),
+            Samples::I16(NUMBERS.to_vec()),
+            "{shown}"
+        );
         assert_eq!(loaded.volume.grid().dims(), [2, 3, 1]);
         assert_eq!(loaded.volume.grid().world_from_voxel(), place());
     }
@@ -172,9 +212,17 @@ fn xml_places_images_by_extent_and_direction() {
         ("type=\"ImageData\"", "type=\"PolyData\"", "PolyData"),
         ("1 2 3 4 5 6", "1 2 3", "cut off"),
         ("1 2 3 4 5 6", "1 2 3 4 5 70000", "70000"),
-        ("WholeExtent=\"0 1", "WholeExtent=\"1 0", "WholeExtent"),
-        ("Name=\"density\"", "NumberOfComponents=\"3\"", "3 components"),
-        ("format=\"ascii\"", "format=\"appended\"", "AppendedData is missing"),
+        ("WholeExtent=\"0 1", "WholeExtent=\"1 0", "Extent is"),
+        (
+            "Name=\"density\"",
+            "NumberOfComponents=\"3\"",
+            "3 components",
+        ),
+        (
+            "format=\"ascii\"",
+            "format=\"appended\"",
+            "AppendedData is missing",
+        ),
         ("<ImageData ", "<Image ", "ImageData is missing"),
     ] {
         let message = message(&[("v.vti", text.replace(from, to).as_bytes())]);
