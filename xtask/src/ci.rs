@@ -46,6 +46,7 @@ pub fn run(root: &Path) -> Result<bool> {
         let check = ["check", "--quiet", "--package", "strahl"];
         succeeds(cargo(root).args(check).arg("--no-default-features"))
     })?;
+    steps.run("what a browser needs", || for_browsers(root))?;
     steps.run("documentation", || {
         succeeds(
             cargo(root)
@@ -56,6 +57,35 @@ pub fn run(root: &Path) -> Result<bool> {
     let passed = steps.print();
     println!("{}", report.closing_line());
     Ok(passed)
+}
+
+/// The crates that a page in a browser draws with.
+const OF_BROWSERS: [&str; 7] = [
+    "volume", "scene", "shader", "program", "graph", "evaluate", "cpu",
+];
+
+/// Checks them for a machine without clock, threads and C library.
+fn for_browsers(root: &Path) -> Result<bool> {
+    const TARGET: &str = "wasm32-unknown-unknown";
+    let folder = Command::new("rustc")
+        .args(["--print", "target-libdir", "--target", TARGET])
+        .output()?;
+    if !Path::new(String::from_utf8_lossy(&folder.stdout).trim()).is_dir() {
+        println!("skipped: {TARGET} is not there; `rustup target add {TARGET}` adds it");
+        return Ok(true);
+    }
+    let mut check = cargo(root);
+    check.args([
+        "check",
+        "--quiet",
+        "--no-default-features",
+        "--target",
+        TARGET,
+    ]);
+    for package in OF_BROWSERS {
+        check.arg(format!("--package=strahl-{package}"));
+    }
+    succeeds(&mut check)
 }
 
 /// The files `crates/cpu/src/library/SLOT/NAME.rs`.

@@ -163,6 +163,7 @@ pub trait Level: Simd + Send + Sync {
 
 /// Lanes to be read one by one. From memory that is a load each, which costs less than moving each out of a
 /// vector register, what would be made of it otherwise.
+#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
 #[inline(always)]
 fn in_memory<S: Simd>(lanes: i32x16<S>) -> [i32; 16] {
     std::hint::black_box(lanes.into())

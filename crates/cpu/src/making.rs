@@ -1,6 +1,6 @@
 //! Finding what a picture needs, and making what is not there yet.
 
-use rayon::ThreadPool;
+use crate::pools::Pool;
 use std::sync::Arc;
 use strahl_volume::{Cancelled, Control, Key, Store};
 
@@ -9,7 +9,7 @@ pub struct Making<'m> {
     pub store: &'m Store,
     pub control: &'m Control,
     /// The surrounding pool without.
-    pub pool: Option<&'m ThreadPool>,
+    pub pool: Option<&'m Pool>,
 }
 
 impl Making<'_> {

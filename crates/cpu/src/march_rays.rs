@@ -10,10 +10,9 @@ use crate::ray_states::RayStates;
 use crate::renderer::{Renderer, stats_of};
 use crate::tiles;
 use std::ops::Range;
-use std::time::Instant;
 use strahl_scene::plan::Plan;
 use strahl_scene::{Image, Rendered, Stats};
-use strahl_volume::{Control, Work};
+use strahl_volume::{Control, Stopwatch, Work};
 
 /// Rays to be moved with any instruction set.
 struct Marching<'d> {
@@ -54,7 +53,7 @@ impl Task for Finishing<'_> {
         let (plan, edge) = (self.plan, self.options.tile);
         let [bricks_seconds, prepare_seconds] =
             [self.prepared.bricks_seconds, self.prepared.seconds];
-        let start = Instant::now();
+        let start = Stopwatch::start();
         let drawn = self.prepared.with_scenery::<S, _>(plan, |scenery| {
             let tiles = Raster::ALL.tiles(plan, edge);
             let parts = self.control.parts(Work::Drawing, tiles);
@@ -67,7 +66,7 @@ impl Task for Finishing<'_> {
             stats: Stats {
                 bricks_seconds,
                 prepare_seconds,
-                draw_seconds: start.elapsed().as_secs_f64(),
+                draw_seconds: start.seconds(),
                 ..stats_of(plan, drawn.counts)
             },
         })

@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 use crate::levels::{InstructionSet, Task, dispatch};
-use rayon::ThreadPool;
+use crate::pools::Pool;
 
 /// What does not change a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,7 +31,7 @@ impl Default for Options {
 
 impl Options {
     /// Runs `task` with these instructions, in `pool` or else the surrounding one.
-    pub(crate) fn run<T, R>(&self, pool: Option<&ThreadPool>, task: T) -> Result<R, Error>
+    pub(crate) fn run<T, R>(&self, pool: Option<&Pool>, task: T) -> Result<R, Error>
     where
         T: Task<Output = Result<R, Error>> + Send,
         R: Send,

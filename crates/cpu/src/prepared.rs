@@ -18,14 +18,13 @@ use crate::segment_numbers::SegmentNumbers;
 use crate::skip::Skip;
 use crate::strides::Strides;
 use std::sync::Arc;
-use std::time::Instant;
 use strahl_scene::Source;
 use strahl_scene::plan::{Fetch, Field, Plan, Reconstruct, Sampling};
 use strahl_scene::visibility::ContributionOf;
 use strahl_volume::bricks::{BrickRange, Bricks, BricksOf};
 use strahl_volume::{
     Cancelled, CoefficientsOf, ContentId, Datasets, Key, LabelNumbers, LabelNumbersOf, Rescale,
-    Volume,
+    Stopwatch, Volume,
 };
 
 /// What the objects of a Plan are drawn from, and what is known of it.
@@ -49,7 +48,7 @@ impl Prepared {
         plan: &Plan,
         skips: bool,
     ) -> Result<Prepared, Error> {
-        let start = Instant::now();
+        let start = Stopwatch::start();
         let (mut sources, mut known) = (Vec::new(), Vec::new());
         let mut bricks_seconds = 0.0;
         for (layer, field) in plan.drawn_fields().enumerate() {
@@ -57,9 +56,9 @@ impl Prepared {
                 let make = || own.b_spline_coefficients_under(making.control);
                 making.find(&CoefficientsOf(own.id()), make)
             })?;
-            let bricks_start = Instant::now();
+            let bricks_start = Stopwatch::start();
             let reading = Reading::new(making, field, source)?;
-            bricks_seconds += bricks_start.elapsed().as_secs_f64();
+            bricks_seconds += bricks_start.seconds();
             known.push(match plan.labelled() {
                 // Every lattice point says whether a run ends.
                 Some(_) => Known::default(),
@@ -74,7 +73,7 @@ impl Prepared {
             label_numbers: label_numbers(making, data, plan)?,
             meshes: Meshes::new(making, &data.meshes)?,
             bricks_seconds,
-            seconds: start.elapsed().as_secs_f64() - bricks_seconds,
+            seconds: start.seconds() - bricks_seconds,
         })
     }
 

@@ -13,12 +13,10 @@ use crate::raster::Raster;
 use crate::renderer::{Renderer, stats_of};
 use crate::scenery::Scenery;
 use crate::tiles;
-use rayon::prelude::*;
 use std::ops::ControlFlow;
-use std::time::Instant;
 use strahl_scene::plan::{Lattice, Plan};
 use strahl_scene::{Image, Rendered, Stats};
-use strahl_volume::{Control, Parts, Work};
+use strahl_volume::{Control, Parts, Stopwatch, Work, cores};
 
 /// How far a picture in stages is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -162,7 +160,7 @@ impl Refining<'_> {
         let bricks_seconds = of_coarse.bricks_seconds + of_plan.bricks_seconds;
         let prepare_seconds = of_coarse.seconds + of_plan.seconds;
         of_coarse.with_scenery::<S, _>(coarse, |scenery| canvas.stage(0, scenery))?;
-        let start = Instant::now();
+        let start = Stopwatch::start();
         let image = of_plan.with_scenery::<S, _>(plan, |scenery| {
             let last = STAGES.len() - 1;
             for stage in 1..last {
@@ -176,7 +174,7 @@ impl Refining<'_> {
             stats: Stats {
                 bricks_seconds,
                 prepare_seconds,
-                draw_seconds: start.elapsed().as_secs_f64(),
+                draw_seconds: start.seconds(),
                 ..stats_of(plan, canvas.counts)
             },
         })
@@ -237,7 +235,7 @@ fn between(pixels: &[[f32; 4]], width: usize, stride: usize) -> Vec<[f32; 4]> {
     };
     let share = |i: usize| i as f32 / stride as f32;
     let mut all = vec![[0.0; 4]; pixels.len()];
-    all.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
+    cores::for_each(all.chunks_mut(width).enumerate(), |(y, row)| {
         // First the drawn columns of this row, from the drawn rows above and below; the last one goes on.
         let above = y - y % stride;
         let below = if above + stride < height {

@@ -6,17 +6,15 @@ use crate::line::MAX_POINTS;
 use crate::making::Making;
 use crate::march::Counts;
 use crate::options::Options;
-use crate::pools::Pools;
+use crate::pools::{Pool, Pools};
 use crate::prepared::Prepared;
 use crate::raster::Raster;
 use crate::ray_packet::most_points;
 use crate::tiles;
-use rayon::ThreadPool;
 use std::sync::Arc;
-use std::time::Instant;
 use strahl_scene::plan::Plan;
 use strahl_scene::{Image, Rendered, Stats};
-use strahl_volume::{Control, Datasets, Store, Work};
+use strahl_volume::{Control, Datasets, Stopwatch, Store, Work, cores};
 
 /// Draws Plans of the same data. What it makes of the data for that it keeps in a [`Store`], for the next picture.
 pub struct Renderer {
@@ -97,7 +95,7 @@ impl Renderer {
         plan: &Plan,
         options: &Options,
         control: &Control,
-        pool: Option<&ThreadPool>,
+        pool: Option<&Pool>,
     ) -> Result<Prepared, Error> {
         let making = Making {
             store: &self.store,
@@ -137,7 +135,7 @@ impl Drawing<'_> {
         let (plan, edge) = (self.plan, self.options.tile);
         let [bricks_seconds, prepare_seconds] =
             [self.prepared.bricks_seconds, self.prepared.seconds];
-        let start = Instant::now();
+        let start = Stopwatch::start();
         let drawn = self.prepared.with_scenery::<S, _>(plan, |scenery| {
             let tiles = Raster::ALL.tiles(plan, edge);
             let parts = self.control.parts(Work::Drawing, tiles);
@@ -150,7 +148,7 @@ impl Drawing<'_> {
             stats: Stats {
                 bricks_seconds,
                 prepare_seconds,
-                draw_seconds: start.elapsed().as_secs_f64(),
+                draw_seconds: start.seconds(),
                 ..stats_of(plan, drawn.counts)
             },
         })
@@ -160,7 +158,7 @@ impl Drawing<'_> {
 /// What `counts` say of a picture of `plan`; no times.
 pub(crate) fn stats_of(plan: &Plan, counts: Counts) -> Stats {
     Stats {
-        threads: rayon::current_num_threads(),
+        threads: cores::number(),
         counts: Some(strahl_scene::Counts {
             rays: u64::from(plan.width) * u64::from(plan.height),
             rays_in_volume: counts.rays_in_volume,

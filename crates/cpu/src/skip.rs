@@ -10,12 +10,11 @@ use crate::levels::Level;
 use crate::library::fetch::Shape;
 use crate::line::{Line, points_to_face};
 use crate::making::Making;
-use rayon::prelude::*;
 use std::sync::Arc;
 use strahl_scene::plan::{Composite, Plan};
 use strahl_scene::visibility::{Contribution, ContributionOf};
 use strahl_volume::bricks::Bricks;
-use strahl_volume::{Cancelled, Control, Key};
+use strahl_volume::{Cancelled, Control, Key, cores};
 
 /// What is known of the bricks of a volume under a Plan.
 pub struct Skip {
@@ -96,8 +95,8 @@ impl Bounds {
         }
         let (row, slice) = (dims[0], dims[0] * dims[1]);
         let mut largest = vec![0; of_bricks.len() + 1];
-        let blocks = largest[..of_bricks.len()].par_chunks_exact_mut(slice);
-        blocks.enumerate().for_each(|(z, blocks)| {
+        let blocks = largest[..of_bricks.len()].chunks_exact_mut(slice);
+        cores::for_each(blocks.enumerate(), |(z, blocks)| {
             let mut bounds = of_bricks[z * slice..][..slice].to_vec();
             if let Some(behind) = of_bricks[z * slice..].chunks_exact(slice).nth(1) {
                 larger(&mut bounds, behind);
@@ -162,8 +161,8 @@ impl Bounds {
 fn largest_of_eight(dims: [usize; 3], of_bricks: &[f32]) -> Vec<f32> {
     let half = dims.map(|n| n.div_ceil(2));
     let mut largest = vec![f32::NEG_INFINITY; half.iter().product()];
-    let slices = largest.par_chunks_exact_mut(half[0] * half[1]);
-    slices.enumerate().for_each(|(z, slice)| {
+    let slices = largest.chunks_exact_mut(half[0] * half[1]);
+    cores::for_each(slices.enumerate(), |(z, slice)| {
         for z in 2 * z..(2 * z + 2).min(dims[2]) {
             for y in 0..dims[1] {
                 let row = &of_bricks[dims[0] * (y + dims[1] * z)..][..dims[0]];
@@ -232,12 +231,12 @@ impl Knowledge {
                 let number = visible.len();
                 let mut cubes = vec![0; 8 * number + 3];
                 // For all directions: whoever turns the camera makes nothing anew.
-                cubes[..8 * number]
-                    .par_chunks_exact_mut(2 * number)
-                    .enumerate()
-                    .try_for_each(|(pair, cubes)| {
-                        find_cubes(dims, &visible, pair, cubes, control)
-                    })?;
+                let pairs = cubes[..8 * number].chunks_exact_mut(2 * number);
+                cores::try_for_each(
+                    pairs.enumerate(),
+                    || (),
+                    |(), (pair, cubes)| find_cubes(dims, &visible, pair, cubes, control),
+                )?;
                 Knowledge::Cubes(cubes)
             }
             Contribution::Largest(values) => Knowledge::Bounds(Bounds::new(dims, values, false)),

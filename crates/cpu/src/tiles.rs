@@ -9,9 +9,9 @@ use crate::ray_packet::RayPacket;
 use crate::ray_state::RayState;
 use crate::ray_states::RayStates;
 use crate::scenery::Scenery;
-use rayon::prelude::*;
 use std::ops::Range;
-use strahl_volume::Parts;
+use std::sync::{Mutex, PoisonError};
+use strahl_volume::{Parts, cores};
 
 /// What the pixels of a raster hold before its colours are made linear.
 pub struct Drawn {
@@ -101,16 +101,18 @@ fn for_all<T: Send>(
     parts: &Parts,
     draw: impl Fn(T) -> Counts + Sync,
 ) -> Result<Counts, Error> {
-    tiles
-        .into_par_iter()
-        // Tiles differ by far in what they cost: whoever is done first must find one that is left.
-        .with_max_len(1)
-        .map(|tile| {
+    let sum = Mutex::new(Counts::default());
+    cores::try_for_each(
+        tiles,
+        || (),
+        |(), tile| {
             let counts = draw(tile);
-            parts.done(1)?;
-            Ok(counts)
-        })
-        .try_reduce(Counts::default, |one, other| Ok(one.plus(other)))
+            let mut sum = sum.lock().unwrap_or_else(PoisonError::into_inner);
+            *sum = sum.plus(counts);
+            Ok::<_, Error>(parts.done(1)?)
+        },
+    )?;
+    Ok(sum.into_inner().unwrap_or_else(PoisonError::into_inner))
 }
 
 /// Cells of a picture, row by row with `width` each, cut into rectangles of `edges` cells, each with its corner.

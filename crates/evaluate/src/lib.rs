@@ -45,10 +45,8 @@ pub use strahl_scene::{Rendered, Stats};
 
 use code::{BLOCK, Lanes};
 use data::Data;
-use rayon::prelude::*;
 use run::State;
 use std::sync::Arc;
-use std::time::Instant;
 use strahl_program::{
     Frame, Functions, Object, Order, SegmentTable, Slices, Slicing, Table2d, noise_tile, tables,
     techniques_of, visible_bricks,
@@ -56,7 +54,7 @@ use strahl_program::{
 use strahl_scene::plan::Plan;
 use strahl_scene::{Image, OtherData};
 use strahl_shader::{Linker, NOWHERE_MM, Program, RayLoop, TABLE_ROW, Texels, bindings, ray_loop};
-use strahl_volume::{Control, Datasets, Parts, Store, Work};
+use strahl_volume::{Control, Datasets, Parts, Stopwatch, Store, Work, cores};
 use varyings::Inputs;
 
 /// Draws Plans of the same data. What it makes of the data for that it keeps in a [`Store`], for the next picture.
@@ -105,11 +103,11 @@ impl Evaluator {
     /// The Plan belongs to other data, its functions cannot be linked or do what is not covered, or
     /// `control` was cancelled.
     pub fn render(&mut self, plan: &Plan, control: &Control) -> Result<Rendered, Error> {
-        let start = Instant::now();
+        let start = Stopwatch::start();
         let (program, parameters) = self.program(plan)?;
         let mut rendered = self.render_by(plan, &program, &parameters, &[], control)?;
         let stats = &mut rendered.stats;
-        stats.link_seconds = start.elapsed().as_secs_f64() - stats.draw_seconds;
+        stats.link_seconds = start.seconds() - stats.draw_seconds;
         Ok(rendered)
     }
 
@@ -152,7 +150,7 @@ impl Evaluator {
         slicing: &Slicing,
         control: &Control,
     ) -> Result<Rendered, Error> {
-        let start = Instant::now();
+        let start = Stopwatch::start();
         let slices = Slices::of(plan, slicing.order)?;
         let data = Data::new(&self.datasets, plan, &self.store, control)?;
         let under = (&*self.store, control);
@@ -195,7 +193,7 @@ impl Evaluator {
         textures: &[Table2d],
         control: &Control,
     ) -> Result<Rendered, Error> {
-        let start = Instant::now();
+        let start = Stopwatch::start();
         let data = Data::new(&self.datasets, plan, &self.store, control)?;
         let under = (&*self.store, control);
         let mut scenery = Scenery::new(plan, &data, program, parameters, textures, under)?;
@@ -249,10 +247,10 @@ impl Evaluator {
 }
 
 /// Compiling and drawing; nothing is counted.
-fn stats_since(start: Instant) -> Stats {
+fn stats_since(start: Stopwatch) -> Stats {
     Stats {
-        threads: rayon::current_num_threads(),
-        draw_seconds: start.elapsed().as_secs_f64(),
+        threads: cores::number(),
+        draw_seconds: start.seconds(),
         ..Stats::default()
     }
 }
@@ -412,37 +410,34 @@ impl<'a> Scenery<'a> {
         } else {
             no_depth.iter_mut().map(|none| &mut none[..]).collect()
         };
-        pixels
-            .par_chunks_mut(strip)
-            .zip(depth_strips)
-            .enumerate()
-            .try_for_each_init(
-                || State::new(&run),
-                |state, (row, (pixels, depth))| -> Result<(), Error> {
-                    let rows = pixels.len() / width;
-                    for left in (0..width).step_by(BLOCK) {
-                        let active = in_picture([width - left, rows]);
-                        self.control.check()?;
-                        inputs.set(0, [left, row * BLOCK], &code, &mut state.registers);
-                        let killed = state.run(active)?;
-                        for lane in 0..code::LANES {
-                            if active.0[lane] & !killed.0[lane] == 0 {
-                                continue;
-                            }
-                            let pixel = lane / BLOCK * width + left + lane % BLOCK;
-                            let number = |i: usize| {
-                                let register = code.outputs[i] as usize;
-                                f32::from_bits(state.registers[register].0[lane])
-                            };
-                            pixels[pixel] = [number(0), number(1), number(2), number(3)];
-                            if with_depth {
-                                depth[pixel] = number(4);
-                            }
+        cores::try_for_each(
+            pixels.chunks_mut(strip).zip(depth_strips).enumerate(),
+            || State::new(&run),
+            |state, (row, (pixels, depth))| -> Result<(), Error> {
+                let rows = pixels.len() / width;
+                for left in (0..width).step_by(BLOCK) {
+                    let active = in_picture([width - left, rows]);
+                    self.control.check()?;
+                    inputs.set(0, [left, row * BLOCK], &code, &mut state.registers);
+                    let killed = state.run(active)?;
+                    for lane in 0..code::LANES {
+                        if active.0[lane] & !killed.0[lane] == 0 {
+                            continue;
+                        }
+                        let pixel = lane / BLOCK * width + left + lane % BLOCK;
+                        let number = |i: usize| {
+                            let register = code.outputs[i] as usize;
+                            f32::from_bits(state.registers[register].0[lane])
+                        };
+                        pixels[pixel] = [number(0), number(1), number(2), number(3)];
+                        if with_depth {
+                            depth[pixel] = number(4);
                         }
                     }
-                    Ok(rows_drawn.done(rows)?)
-                },
-            )?;
+                }
+                Ok(rows_drawn.done(rows)?)
+            },
+        )?;
         Ok((pixels, depth_mm))
     }
 
@@ -461,36 +456,34 @@ impl<'a> Scenery<'a> {
         let size = [plan.width, plan.height];
         let inputs = Inputs::of(&self.machine, "fragment", slices.count, size)?;
         let mut pixels = vec![slicing.start; width * height];
-        pixels
-            .par_chunks_mut(BLOCK * width)
-            .enumerate()
-            .try_for_each_init(
-                || State::new(&run),
-                |state, (row, pixels)| -> Result<(), Error> {
-                    let rows = pixels.len() / width;
-                    for left in (0..width).step_by(BLOCK) {
-                        let active = in_picture([width - left, rows]);
-                        self.control.check()?;
-                        for slice in 0..slices.count as usize {
-                            inputs.set(slice, [left, row * BLOCK], &code, &mut state.registers);
-                            let killed = state.run(active)?;
-                            for lane in 0..code::LANES {
-                                if active.0[lane] & !killed.0[lane] == 0 {
-                                    continue;
-                                }
-                                let pixel = lane / BLOCK * width + left + lane % BLOCK;
-                                let number = |i: usize| {
-                                    let register = code.outputs[i] as usize;
-                                    f32::from_bits(state.registers[register].0[lane])
-                                };
-                                let source = [number(0), number(1), number(2), number(3)];
-                                pixels[pixel] = slicing.blend.blended(source, pixels[pixel]);
+        cores::try_for_each(
+            pixels.chunks_mut(BLOCK * width).enumerate(),
+            || State::new(&run),
+            |state, (row, pixels)| -> Result<(), Error> {
+                let rows = pixels.len() / width;
+                for left in (0..width).step_by(BLOCK) {
+                    let active = in_picture([width - left, rows]);
+                    self.control.check()?;
+                    for slice in 0..slices.count as usize {
+                        inputs.set(slice, [left, row * BLOCK], &code, &mut state.registers);
+                        let killed = state.run(active)?;
+                        for lane in 0..code::LANES {
+                            if active.0[lane] & !killed.0[lane] == 0 {
+                                continue;
                             }
+                            let pixel = lane / BLOCK * width + left + lane % BLOCK;
+                            let number = |i: usize| {
+                                let register = code.outputs[i] as usize;
+                                f32::from_bits(state.registers[register].0[lane])
+                            };
+                            let source = [number(0), number(1), number(2), number(3)];
+                            pixels[pixel] = slicing.blend.blended(source, pixels[pixel]);
                         }
                     }
-                    Ok(rows_drawn.done(rows)?)
-                },
-            )?;
+                }
+                Ok(rows_drawn.done(rows)?)
+            },
+        )?;
         Ok(pixels)
     }
 }

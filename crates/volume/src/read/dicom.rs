@@ -9,7 +9,6 @@ mod character_set;
 mod elements;
 mod frames;
 mod image;
-mod in_parallel;
 mod jpeg_lossless;
 mod jpeg_ls;
 mod keys;
@@ -24,11 +23,11 @@ mod syntax;
 mod tags;
 
 use super::{Bytes, Files, Input, Loaded, ReadOptions};
+use crate::cores;
 use crate::error::{Error, ErrorKind};
 use crate::{Grid, Metadata, Modality, Rescale, Sample, SampleType, Samples, Volume};
 use frames::Frame;
 use image::Image;
-use in_parallel::in_parallel;
 use pixels::Source;
 pub use series::SeriesSummary;
 use stack::Stack;
@@ -514,11 +513,15 @@ impl Reader<'_> {
         {
             by_image.entry(frame.image).or_default().push((frame, into));
         }
-        in_parallel(by_image.into_iter().collect(), |(image, parts)| {
-            let image = &self.images[image];
-            self.read_image(image, parts, &read)
-                .map_err(|error| error.in_file(&image.name))
-        })?;
+        cores::try_for_each(
+            by_image,
+            || (),
+            |(), (image, parts)| {
+                let image = &self.images[image];
+                self.read_image(image, parts, &read)
+                    .map_err(|error| error.in_file(&image.name))
+            },
+        )?;
         Ok(T::wrap(samples))
     }
 
@@ -557,7 +560,11 @@ impl Reader<'_> {
             }
             return Ok(());
         }
-        in_parallel(parts, |(frame, samples)| read(&source, frame, samples))
+        cores::try_for_each(
+            parts,
+            || (),
+            |(), (frame, samples)| read(&source, frame, samples),
+        )
     }
 }
 

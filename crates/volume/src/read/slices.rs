@@ -5,6 +5,7 @@
 
 use super::sniff::{self, Kind};
 use super::{Files, Input, Loaded, ReadOptions, block, png, unoriented};
+use crate::cores;
 use crate::error::{Error, ErrorKind};
 use crate::{Metadata, Rescale, Samples, Volume};
 use std::cmp::Ordering;
@@ -43,7 +44,10 @@ pub(crate) fn read_pictures(
     })?;
     // Enough at a time to keep all cores busy, few enough to take little memory.
     for batch in names[1..].chunks(32) {
-        for (name, slice) in batch.iter().zip(map(batch, decode)) {
+        for (name, slice) in batch
+            .iter()
+            .zip(cores::map(batch.len(), |i| decode(&batch[i])))
+        {
             let slice = slice?;
             if (slice.dims, slice.samples.sample_type()) != (dims, sample_type) {
                 let text = |[x, y]: [usize; 2], t| format!("{x} x {y} {t}");
@@ -149,17 +153,6 @@ fn append(into: &mut Samples, from: &Samples) {
         };
     }
     same!(U8 I8 U16 I16 U32 I32 F32 F64);
-}
-
-#[cfg(feature = "threads")]
-fn map<T: Send>(names: &[String], decode: impl Fn(&String) -> T + Sync + Send) -> Vec<T> {
-    use rayon::prelude::*;
-    names.par_iter().map(decode).collect()
-}
-
-#[cfg(not(feature = "threads"))]
-fn map<T>(names: &[String], decode: impl Fn(&String) -> T) -> Vec<T> {
-    names.iter().map(decode).collect()
 }
 
 /// The names in the order of their numbers.

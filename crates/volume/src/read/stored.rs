@@ -37,6 +37,7 @@ impl Stored {
     }
 
     /// Whether it is a floating-point number.
+    #[cfg(feature = "tiff")]
     pub(crate) fn is_float(self) -> bool {
         match self {
             Stored::Kept(sample_type) => !sample_type.is_integer(),

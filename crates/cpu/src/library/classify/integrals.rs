@@ -11,11 +11,10 @@ use crate::elementary::opacity_of_lengths;
 use crate::lanes::{F32s, I32s, Mask, each, row_pairs};
 use crate::levels::{Level, inlined};
 use crate::making::Making;
-use rayon::prelude::*;
 use std::sync::Arc;
 use strahl_scene::plan::{Plan, Sampling};
 use strahl_scene::transfer::TransferTable;
-use strahl_volume::{Cancelled, Key};
+use strahl_volume::{Cancelled, Key, cores};
 
 /// The table: 4 MiB at the most.
 pub struct Integrals {
@@ -123,7 +122,7 @@ fn cells(table: &TransferTable, nodes: usize) -> Vec<Cell> {
             colour: colours.map(|colour| colour / divisor),
         }
     };
-    (0..nodes - 1).into_par_iter().map(cell).collect()
+    cores::map(nodes - 1, cell)
 }
 
 /// What is seen of each `width` cells in a row of `seen`, by two runs over blocks of that width: the end of a block and
@@ -181,7 +180,7 @@ impl Integrals {
         for cell in &cells {
             sums.push(sums[sums.len() - 1] + cell.depth);
         }
-        let widths: Vec<_> = (1..nodes).into_par_iter().map(of_width).collect();
+        let widths = cores::map(nodes - 1, |i| of_width(i + 1));
         let pair = |a: usize, b: usize| -> [f32; 4] {
             let width = a.abs_diff(b);
             let Some((along, back)) = widths.get(width.wrapping_sub(1)) else {
@@ -205,10 +204,7 @@ impl Integrals {
         let cells_per_value = (nodes - 1) as f32 / (hi - lo);
         let ends = [table.entries()[0], table.entries()[number - 1]];
         Integrals {
-            pairs: (0..nodes * nodes)
-                .into_par_iter()
-                .map(|i| pair(i / nodes, i % nodes))
-                .collect(),
+            pairs: cores::map(nodes * nodes, |i| pair(i / nodes, i % nodes)),
             nodes,
             lo,
             cells_per_value,

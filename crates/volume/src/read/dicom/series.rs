@@ -2,8 +2,8 @@
 
 use super::elements::{self, Elements, plain_text};
 use super::image::Image;
-use super::in_parallel::in_parallel;
 use super::tags;
+use crate::cores;
 use crate::error::{Error, ErrorKind, Remedy};
 use crate::read::{Bytes, Files, unpacked};
 use std::collections::BTreeMap;
@@ -88,10 +88,14 @@ fn scan_file(name: &str, files: &dyn Files) -> Result<Scanned, Error> {
 pub(super) fn scan(files: &dyn Files, names: Vec<String>) -> Result<Scan, Error> {
     let mut scanned: Vec<Option<Scanned>> = Vec::new();
     scanned.resize_with(names.len(), || None);
-    in_parallel(names.iter().zip(&mut scanned).collect(), |(name, into)| {
-        *into = Some(scan_file(name, files).map_err(|error| error.in_file(name))?);
-        Ok(())
-    })?;
+    cores::try_for_each(
+        names.iter().zip(&mut scanned),
+        || (),
+        |(), (name, into)| {
+            *into = Some(scan_file(name, files).map_err(|error| error.in_file(name))?);
+            Ok::<_, Error>(())
+        },
+    )?;
     let mut scan = Scan::default();
     let (mut foreign, mut without) = (0, 0);
     let mut by_uid: BTreeMap<String, Vec<Image>> = BTreeMap::new();
