@@ -42,6 +42,7 @@ pub fn read_over(flags: &ReadFlags, source: VolumeSource) -> Result<VolumeSource
         dims: dims.or(source.dims),
         level: flags.level_of_detail.or(source.level),
         time: flags.time.or(source.time),
+        component: flags.component.or(source.component),
         series: flags.series.clone().or(source.series),
         allow_gaps: flags.allow_gaps.then_some(true).or(source.allow_gaps),
         sample_type: flags.sample_type.clone().or(source.sample_type),

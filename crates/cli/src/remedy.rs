@@ -62,6 +62,7 @@ fn of_gpu(error: &gpu::Error) -> Option<String> {
 fn of_volume(remedy: Remedy) -> String {
     match remedy {
         Remedy::Series => "pick one with --series N".to_owned(),
+        Remedy::Component => "pick one with --component K".to_owned(),
         Remedy::Spacing => "say --spacing X,Y,Z in mm".to_owned(),
         Remedy::AllowGaps => "--allow-gaps interpolates to even slices".to_owned(),
         Remedy::DimsAndType => "say for example --dims 256x256x128 --type u8".to_owned(),

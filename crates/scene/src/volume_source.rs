@@ -28,6 +28,9 @@ pub struct VolumeSource {
     /// Time point of a 4-D file, from 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub time: Option<usize>,
+    /// Which of several numbers per voxel, from 0. Without, colours become luminance.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub component: Option<usize>,
     /// Which DICOM series of a folder: its number in the list from 1, its series number or its UID.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub series: Option<String>,
@@ -60,6 +63,7 @@ impl VolumeSource {
         Problems::none_of(problems)?;
         Ok(ReadOptions {
             time_index: self.time.unwrap_or(0),
+            component: self.component,
             series: self.series.clone(),
             allow_gaps: self.allow_gaps.unwrap_or(false),
             raw: RawLayout {
@@ -100,6 +104,7 @@ impl VolumeSource {
                 }
                 let given = [
                     (self.time.is_some(), "time"),
+                    (self.component.is_some(), "component"),
                     (self.series.is_some(), "series"),
                     (self.allow_gaps.is_some(), "allow_gaps"),
                     (self.sample_type.is_some(), "type"),

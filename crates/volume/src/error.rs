@@ -19,6 +19,8 @@ pub enum Remedy {
     Series,
     /// How far apart its voxels are (`spacing_mm`).
     Spacing,
+    /// Which of several numbers per voxel (`component`).
+    Component,
     /// That missing slices may be interpolated (`allow_gaps`).
     AllowGaps,
     /// Size and type of samples without a header (`raw.dims`, `raw.sample_type`).

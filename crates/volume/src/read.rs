@@ -3,6 +3,7 @@
 mod base64;
 mod bit_fields;
 mod block;
+mod components;
 mod dat;
 mod data_files;
 #[cfg(feature = "dicom")]
@@ -174,17 +175,17 @@ fn read_kind(kind: Kind, input: &Input, options: &ReadOptions) -> Result<Loaded,
 /// read, or looked at more closely first.
 fn left_open(kind: Kind) -> Option<(&'static str, &'static [Open])> {
     Some(match kind {
-        Kind::Nifti => ("NIfTI", &[Open::Time]),
-        Kind::Nrrd => ("NRRD", &[Open::Time]),
-        Kind::MetaImage => ("MetaImage", &[Open::Time]),
+        Kind::Nifti => ("NIfTI", &[Open::Time, Open::Component]),
+        Kind::Nrrd => ("NRRD", &[Open::Time, Open::Component]),
+        Kind::MetaImage => ("MetaImage", &[Open::Time, Open::Component]),
         Kind::Npy => ("npy", &[Open::Time, Open::Spacing]),
-        Kind::Tiff => ("TIFF", &[Open::Time, Open::Spacing]),
-        Kind::Png => ("PNG", &[Open::Spacing]),
+        Kind::Tiff => ("TIFF", &[Open::Time, Open::Spacing, Open::Component]),
+        Kind::Png => ("PNG", &[Open::Spacing, Open::Component]),
         Kind::Dat => (".dat", &[Open::Endian, Open::Spacing]),
         Kind::Pvm => ("PVM", &[Open::Spacing]),
         Kind::Dicom => ("DICOM", DICOM_LEAVES_OPEN),
         Kind::Mgh => ("MGH", &[Open::Time]),
-        Kind::Vtk | Kind::Vti => ("VTK", &[Open::Spacing]),
+        Kind::Vtk | Kind::Vti => ("VTK", &[Open::Spacing, Open::Component]),
         Kind::Mrc => ("MRC", &[Open::Time, Open::Spacing]),
         Kind::Zip => ("npz", &[Open::Time, Open::Spacing]),
         Kind::MaybeDicom | Kind::MaybeAnalyze | Kind::Packed(_) | Kind::Foreign(_) => {
@@ -271,7 +272,7 @@ fn folder(name: &str, files: &dyn Files, options: &ReadOptions) -> Result<Loaded
         return Err(Error::not_built_in("DICOM", "dicom"));
     }
     if !pictures.is_empty() {
-        options.check("TIFF or PNG", &[Open::Time, Open::Spacing])?;
+        options.check("TIFF or PNG", &[Open::Time, Open::Spacing, Open::Component])?;
         let mut loaded = match pictures.as_slice() {
             [only] => read_file(only, files, options)?,
             _ => slices::read_pictures(name, files, pictures, options)?,

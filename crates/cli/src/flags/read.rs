@@ -14,6 +14,10 @@ pub struct ReadFlags {
     #[arg(long, value_name = "LEVEL")]
     pub level_of_detail: Option<f64>,
 
+    /// Which of several numbers per voxel, from 0; without, colours become luminance
+    #[arg(long, value_name = "K")]
+    pub component: Option<usize>,
+
     /// Series of a DICOM folder: its number in the list, its series number, or the start of its UID
     #[arg(long, value_name = "SERIES")]
     pub series: Option<String>,

@@ -16,13 +16,14 @@
 //! | `ElementToIntensityFunctionSlope`, `…Offset`   | value = slope · stored + offset                |
 //! | `HeaderSize`                                   | bytes before the samples; −1: samples at the end |
 //! | `Modality`                                     | `MET_MOD_CT`, …                                |
-//! | `ElementNumberOfChannels`                      | more than 1 is refused                         |
+//! | `ElementNumberOfChannels`                      | numbers per voxel, side by side                |
 //! | `ElementDataFile`                              | `LOCAL`; a name; `LIST [n]` and names to the end; `pattern first last step` |
 //!
 //! Other keys are kept as they are. As in ITK, `CenterOfRotation` and `AnatomicalOrientation` change
 //! nothing: the matrix already says all.
 
 use super::block::{Encoding, Endian};
+use super::components::{self, Meaning};
 use super::data_files::{self, ByteSkip, Place, Storage};
 use super::header_lines::{HeaderLines, numbers, required};
 use super::nrrd::modality_of;
@@ -38,15 +39,20 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error
     let stored = header.sample_type()?;
     let mut notes = Vec::new();
     let channels = header
-        .number::<u32>("ElementNumberOfChannels")?
+        .number::<usize>("ElementNumberOfChannels")?
         .unwrap_or(1);
-    if channels != 1 {
-        return Err(ErrorKind::Unsupported {
-            feature: format!("ElementNumberOfChannels = {channels}"),
-            instead: "write each channel as a volume of its own".into(),
-        }
-        .into());
+    if channels == 0 {
+        return Err(Error::field(
+            "ElementNumberOfChannels",
+            channels,
+            "1 or more",
+        ));
     }
+    let meaning = match stored {
+        Stored::Kept(SampleType::U8) => Meaning::Colour,
+        _ => Meaning::Vector,
+    };
+    let choice = components::choice(channels, meaning, options, &mut notes)?;
     let sizes = header.sizes()?;
     let dims = std::array::from_fn(|axis| sizes.get(axis).copied().unwrap_or(1));
     let time_points = sizes.get(3).copied().unwrap_or(1);
@@ -61,7 +67,7 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error
             },
         ));
     }
-    let count = grid.voxel_count();
+    let count = components::total(grid.voxel_count(), channels)?;
     let total = count
         .checked_mul(time_points)
         .filter(|&n| n <= isize::MAX as usize)
@@ -77,6 +83,7 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error
     let samples = header
         .storage()?
         .read(input, stored, total, range, &mut notes)?;
+    let samples = components::reduced(samples, channels, choice);
 
     let rescale = Rescale::new(
         header

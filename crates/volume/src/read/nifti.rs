@@ -27,6 +27,7 @@
 //! else the spacings about the centre of the grid with x to the left, which is what nibabel does.
 
 use super::block::{self, Block, Encoding, Endian, Trailing};
+use super::components::{self, Choice, Meaning};
 use super::stored::Stored;
 use super::{Bytes, Input, Loaded, ReadOptions};
 use crate::error::{Error, ErrorKind};
@@ -64,13 +65,27 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error
             },
         ));
     }
-    let count = grid.voxel_count();
+    // Colours lie side by side, vectors one volume behind the other.
+    let (side_by_side, behind) = (header.colours(), header.vector_length()?);
+    let (numbers, meaning) = match side_by_side {
+        1 => (behind, Meaning::Vector),
+        n => (n * behind, Meaning::Colour),
+    };
+    if side_by_side > 1 && behind > 1 {
+        return Err(Error::field("dim[5]", behind, "1 for colours"));
+    }
+    let choice = components::choice(numbers, meaning, options, &mut notes)?;
+    let count = components::total(grid.voxel_count(), side_by_side)?;
+    let earlier = match choice {
+        Choice::One(component) if behind > 1 => component as u64 * time_points as u64,
+        _ => 0,
+    };
     let too_large = || Error::field("dim", format!("{:?}", header.dim), "fewer samples");
     let frame_bytes = (count as u64)
         .checked_mul(stored.bits().size() as u64)
         .ok_or_else(too_large)?;
     let skip = frame_bytes
-        .checked_mul(options.time_index as u64)
+        .checked_mul(options.time_index as u64 + earlier)
         .and_then(|skip| skip.checked_add(header.vox_offset))
         .ok_or_else(too_large)?;
 
@@ -112,6 +127,7 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error
     };
 
     let samples = stored.kept_of_bits(samples, &mut notes)?;
+    let samples = components::reduced(samples, side_by_side, choice);
 
     if header.intercept_is_broken() {
         notes.push(format!(
@@ -442,7 +458,7 @@ impl Header {
             if length < 1 {
                 return Err(Error::field(format!("dim[{axis}]"), length, "1 or more"));
             }
-            if axis > 4 && length > 1 {
+            if axis > 5 && length > 1 {
                 return Err(ErrorKind::Unsupported {
                     feature: format!(
                         "dim[{axis}] = {length} (several numbers per voxel and time point)"
@@ -472,9 +488,28 @@ impl Header {
         Ok(lengths)
     }
 
+    /// Numbers of a voxel that lie side by side.
+    fn colours(&self) -> usize {
+        match self.datatype {
+            128 => 3,
+            2304 => 4,
+            _ => 1,
+        }
+    }
+
+    /// Numbers of a voxel that lie one volume behind the other.
+    fn vector_length(&self) -> Result<usize, Error> {
+        match self.dim[5] {
+            length if self.dim[0] >= 5 => {
+                usize::try_from(length).map_err(|_| Error::field("dim[5]", length, "1 or more"))
+            }
+            _ => Ok(1),
+        }
+    }
+
     fn sample_type(&self) -> Result<Stored, Error> {
         let (name, instead) = match self.datatype {
-            2 => return Ok(Stored::Kept(SampleType::U8)),
+            2 | 128 | 2304 => return Ok(Stored::Kept(SampleType::U8)),
             4 => return Ok(Stored::Kept(SampleType::I16)),
             8 => return Ok(Stored::Kept(SampleType::I32)),
             16 => return Ok(Stored::Kept(SampleType::F32)),
@@ -486,8 +521,6 @@ impl Header {
             1280 => return Ok(Stored::U64),
             1 => ("binary", "write it as uint8"),
             32 => ("complex64", "write magnitude or phase as float32"),
-            128 => ("RGB24", "write each colour channel as a uint8 volume"),
-            2304 => ("RGBA32", "write each colour channel as a uint8 volume"),
             1536 => ("float128", "write it as float64"),
             1792 | 2048 => ("complex", "write magnitude or phase as float64"),
             other => {

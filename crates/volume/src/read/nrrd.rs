@@ -27,12 +27,13 @@
 //! `SegmentN_…` (3D Slicer's `.seg.nrrd`) give names and colours of labels.
 
 use super::block::{Encoding, Endian};
+use super::components::{self, Choice, Meaning};
 use super::data_files::{self, ByteSkip, Place, Storage};
 use super::header_lines::{HeaderLines, numbers, required};
 use super::stored::Stored;
 use super::{Input, Loaded, ReadOptions};
 use crate::error::{Error, ErrorKind};
-use crate::{Grid, Label, Metadata, Modality, Rescale, SampleType, Volume, with_samples};
+use crate::{Grid, Label, Metadata, Modality, Rescale, SampleType, Samples, Volume, with_samples};
 use glam::{DAffine3, DMat3, DVec3};
 use std::collections::BTreeMap;
 
@@ -54,7 +55,12 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error
             },
         ));
     }
-    let count = grid.voxel_count();
+    let (components, meaning) = match axes.component_axis {
+        Some((axis, meaning)) => (axes.sizes[axis], meaning),
+        None => (1, Meaning::Vector),
+    };
+    let choice = components::choice(components, meaning, options, &mut notes)?;
+    let count = components::total(grid.voxel_count(), components)?;
     let total = count
         .checked_mul(frames)
         .filter(|&n| n <= isize::MAX as usize)
@@ -76,6 +82,10 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error
         None => storage.read(input, stored, total, 0..total, &mut notes)?,
     };
 
+    let samples = match axes.component_axis {
+        Some((axis, _)) => one_number(samples, &axes, axis, choice)?,
+        None => samples,
+    };
     let labels = header.labels(options.time_index, frames, &mut notes)?;
     let metadata = header.metadata(input.name, &axes, options.time_index);
     Ok(Loaded {
@@ -83,6 +93,30 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error
         labels,
         notes,
     })
+}
+
+/// The chosen number of every voxel, of those along an axis. The frame has been picked.
+fn one_number(
+    mut samples: Samples,
+    axes: &Axes,
+    axis: usize,
+    choice: Choice,
+) -> Result<Samples, Error> {
+    let frame = |i: &usize| Some(*i) != axes.frame_axis;
+    let before: usize = (0..axis).filter(frame).map(|i| axes.sizes[i]).product();
+    let length = axes.sizes[axis];
+    match choice {
+        _ if before == 1 => Ok(components::reduced(samples, length, choice)),
+        Choice::One(component) => {
+            with_samples!(&mut samples, s => pick(s, before, length, component));
+            Ok(samples)
+        }
+        Choice::Luminance => Err(ErrorKind::Unsupported {
+            feature: format!("colour along axis {axis}"),
+            instead: "pick one of its components, or write colours as the first axis".into(),
+        }
+        .into()),
+    }
 }
 
 /// Keeps every sample whose index along one axis (of `length`, `before` samples apart) is `index`.
@@ -114,6 +148,8 @@ struct Axes {
     places: Vec<usize>,
     /// Which axis is time or a list, if one is.
     frame_axis: Option<usize>,
+    /// Which axis holds the numbers of a voxel, if one does, and what they are.
+    component_axis: Option<(usize, Meaning)>,
 }
 
 impl Axes {
@@ -368,11 +404,21 @@ impl Header {
             .into());
         }
         let mut frame_axis = None;
+        let mut component_axis = None;
         for axis in (0..sizes.len()).filter(|axis| !places.contains(axis) && sizes[*axis] > 1) {
             let kind = kinds[axis].as_str();
             // Axes that could be places and lie in none of the three directions are moments.
             let is_list = matches!(kind, "list" | "time" | "???" | "none" | "domain" | "space");
             let several_numbers = !is_list;
+            if several_numbers && component_axis.is_none() {
+                let is_colour = matches!(kind, "rgb-color" | "rgba-color");
+                let meaning = match is_colour {
+                    true => Meaning::Colour,
+                    false => Meaning::Vector,
+                };
+                component_axis = Some((axis, meaning));
+                continue;
+            }
             if several_numbers || frame_axis.is_some() {
                 return Err(ErrorKind::Unsupported {
                     feature: format!(
@@ -390,6 +436,7 @@ impl Header {
             sizes,
             places,
             frame_axis,
+            component_axis,
         })
     }
 

@@ -7,6 +7,8 @@ use crate::{Error, SampleType};
 pub struct ReadOptions {
     /// Which time point of a 4-D file to take, from 0.
     pub time_index: usize,
+    /// Which of several numbers per voxel to take, from 0. Without, colours become luminance.
+    pub component: Option<usize>,
     /// Which DICOM series to take: its number in the list from 1, its series number, or (the
     /// beginning of) its instance UID.
     pub series: Option<String>,
@@ -39,6 +41,8 @@ pub(super) enum Open {
     Time,
     /// Which of several series.
     Series,
+    /// Which of several numbers per voxel.
+    Component,
     /// Dimensions, type, and where the samples begin.
     Layout,
     /// Byte order.
@@ -75,11 +79,17 @@ impl ReadOptions {
                 self.spacing_mm.map(|s| triple(s.map(|mm| mm.to_string()))),
             ),
             (Open::Series, "series", self.series.clone()),
+            (
+                Open::Component,
+                "component",
+                self.component.map(|component| component.to_string()),
+            ),
         ];
         for (what, name, value) in said {
             if let Some(value) = value.filter(|_| !open.contains(&what)) {
                 let why = match what {
                     Open::Series => "have no series",
+                    Open::Component => "are read with one number per voxel",
                     _ => "say it themselves",
                 };
                 return Err(Error::field(

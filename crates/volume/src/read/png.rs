@@ -1,12 +1,14 @@
-//! One grey PNG of 1, 2, 4, 8 or 16 bits. Numbers are kept as they are stored: those of fewer than
+//! One PNG of 1, 2, 4, 8 or 16 bits, grey or coloured. Numbers are kept as they are stored: those of fewer than
 //! 8 bits become u8 without being stretched.
 
 use super::Bytes;
+use super::ReadOptions;
 use super::bit_fields::unpacked;
 use super::block::{ByteReader, Endian, reserve, to_native};
+use super::components::{self, Meaning};
 use crate::error::{Error, ErrorKind};
 use crate::{Grid, Samples};
-use png::{BitDepth, ColorType, DecodingError};
+use png::{BitDepth, ColorType, DecodingError, Transformations};
 use std::io::{self, BufReader};
 
 /// A decoded picture, top row first.
@@ -19,7 +21,11 @@ pub(crate) struct Picture {
 /// The most bytes that one stored byte can become (deflate).
 const LARGEST_GROWTH: u64 = 1032;
 
-pub(crate) fn read(bytes: &dyn Bytes) -> Result<Picture, Error> {
+pub(crate) fn read(
+    bytes: &dyn Bytes,
+    options: &ReadOptions,
+    notes: &mut Vec<String>,
+) -> Result<Picture, Error> {
     let mut decoder = png::Decoder::new(BufReader::new(ByteReader::new(bytes, 0)));
     decoder.set_ignore_text_chunk(true);
     decoder.set_ignore_iccp_chunk(true);
@@ -27,6 +33,7 @@ pub(crate) fn read(bytes: &dyn Bytes) -> Result<Picture, Error> {
     let info = decoder.read_header_info().map_err(fail)?;
     let dims = [info.width as usize, info.height as usize];
     let (depth, row_bytes) = (info.bit_depth, info.raw_row_length() - 1);
+    let color_type = info.color_type;
     for (name, edge) in ["width", "height"].iter().zip(dims) {
         if edge == 0 || edge > Grid::MAX_EDGE {
             return Err(Error::field(
@@ -36,21 +43,17 @@ pub(crate) fn read(bytes: &dyn Bytes) -> Result<Picture, Error> {
             ));
         }
     }
-    let colour = match info.color_type {
-        ColorType::Grayscale => None,
-        ColorType::Rgb | ColorType::Rgba => Some("colour (RGB)"),
-        ColorType::Indexed => Some("colour (a palette)"),
-        ColorType::GrayscaleAlpha => Some("transparency (an alpha channel)"),
-    };
-    if let Some(feature) = colour {
-        return Err(ErrorKind::Unsupported {
-            feature: feature.into(),
-            instead: "a volume has one number per voxel: convert to grey without alpha first, \
-                      for example with ImageMagick's `-colorspace gray -alpha off`"
-                .into(),
+    let channels = match color_type {
+        ColorType::Grayscale => 1,
+        ColorType::GrayscaleAlpha => 2,
+        ColorType::Rgb => 3,
+        ColorType::Rgba => 4,
+        // Palettes are turned into what they stand for.
+        ColorType::Indexed => {
+            decoder.set_transformations(Transformations::EXPAND);
+            0
         }
-        .into());
-    }
+    };
     let picture_bytes = row_bytes as u64 * dims[1] as u64;
     let possible = bytes.len().saturating_mul(LARGEST_GROWTH);
     if picture_bytes > possible {
@@ -63,8 +66,20 @@ pub(crate) fn read(bytes: &dyn Bytes) -> Result<Picture, Error> {
     }
 
     let mut reader = decoder.read_info().map_err(fail)?;
-    let count = dims[0] * dims[1];
+    let channels = match channels {
+        0 => reader.output_color_type().0.samples(),
+        n => n,
+    };
+    let choice = components::choice(channels, Meaning::Colour, options, notes)?;
+    let count = components::total(dims[0] * dims[1], channels)?;
     let samples = match depth {
+        _ if color_type == ColorType::Indexed => {
+            let mut samples: Vec<u8> = Vec::new();
+            reserve(&mut samples, count)?;
+            samples.resize(count, 0);
+            reader.next_frame(&mut samples).map_err(fail)?;
+            Samples::U8(samples)
+        }
         BitDepth::Sixteen => {
             let mut samples: Vec<u16> = Vec::new();
             reserve(&mut samples, count)?;
@@ -92,6 +107,7 @@ pub(crate) fn read(bytes: &dyn Bytes) -> Result<Picture, Error> {
     };
     // To the end of the file: one that is cut off must not pass.
     reader.finish().map_err(fail)?;
+    let samples = components::reduced(samples, channels, choice);
     Ok(Picture { dims, samples })
 }
 

@@ -13,8 +13,10 @@ use std::collections::BTreeMap;
 
 /// One PNG: a volume of one slice.
 pub(crate) fn read_one(input: &Input, options: &ReadOptions) -> Result<Loaded, Error> {
-    let picture = png::read(input.bytes)?;
+    let mut notes = Vec::new();
+    let picture = png::read(input.bytes, options, &mut notes)?;
     let mut loaded = volume(input.name, "PNG", picture.into(), 1, options)?;
+    loaded.notes.append(&mut notes);
     loaded.notes.push("one picture is read as one slice".into());
     Ok(loaded)
 }
@@ -34,7 +36,7 @@ pub(crate) fn read_pictures(
 ) -> Result<Loaded, Error> {
     let mut notes = Vec::new();
     let names = in_order(names, &mut notes)?;
-    let decode = |name: &String| slice(name, files).map_err(|error| error.in_file(name));
+    let decode = |name: &String| slice(name, files, options).map_err(|error| error.in_file(name));
 
     let mut all = decode(&names[0])?;
     let (dims, sample_type) = (all.dims, all.samples.sample_type());
@@ -92,13 +94,13 @@ impl From<png::Picture> for Slice {
     }
 }
 
-fn slice(name: &str, files: &dyn Files) -> Result<Slice, Error> {
+fn slice(name: &str, files: &dyn Files, options: &ReadOptions) -> Result<Slice, Error> {
     let bytes = files.open(name)?;
+    let mut notes = Vec::new();
     match sniff::kind(&*bytes)? {
         #[cfg(feature = "tiff")]
         Some(Kind::Tiff) => {
-            let mut notes = Vec::new();
-            let slice = super::tiff::read_slice(&*bytes, &mut notes)?;
+            let slice = super::tiff::read_slice(&*bytes, options, &mut notes)?;
             Ok(Slice {
                 dims: slice.dims,
                 samples: slice.samples,
@@ -108,7 +110,13 @@ fn slice(name: &str, files: &dyn Files) -> Result<Slice, Error> {
         }
         #[cfg(not(feature = "tiff"))]
         Some(Kind::Tiff) => Err(Error::not_built_in("TIFF", "tiff")),
-        _ => Ok(png::read(&*bytes)?.into()),
+        _ => {
+            let picture = png::read(&*bytes, options, &mut notes)?;
+            Ok(Slice {
+                notes,
+                ..picture.into()
+            })
+        }
     }
 }
 

@@ -1,4 +1,4 @@
-//! TIFF stacks: one grey page per slice, classic TIFF and BigTIFF.
+//! TIFF stacks: one page per slice, classic TIFF and BigTIFF.
 //!
 //! | offset | bytes | classic TIFF                 | offset | bytes | BigTIFF              |
 //! |--------|-------|------------------------------|--------|-------|----------------------|
@@ -21,6 +21,7 @@ mod shaped;
 mod source;
 
 use super::block::{self, Block, Endian};
+use super::components;
 use super::stored::Stored;
 use super::{Bytes, Input, Loaded, ReadOptions, unoriented};
 use crate::error::{Error, ErrorKind};
@@ -43,7 +44,13 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error
     }
 
     let images = Images::find(&file, described.as_ref(), input.bytes, &mut notes)?;
-    let order = Order::of(described.as_ref(), images.count(), &mut notes)?;
+    let order = Order::of(
+        described.as_ref(),
+        first.numbers,
+        images.count(),
+        &mut notes,
+    )?;
+    let choice = components::choice(first.numbers, first.meaning, options, &mut notes)?;
     if options.time_index >= order.times {
         return Err(Error::field(
             "time point",
@@ -52,7 +59,7 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error
         ));
     }
 
-    let dims = [first.width, first.height, order.slices * first.depth];
+    let dims = [first.pixels(), first.height, order.slices * first.depth];
     let of_file = spacing_mm(&file, described.as_ref(), &mut notes);
     let (spacing_mm, has_length_unit) = unoriented::spacing_mm(options, of_file);
     let grid = unoriented::grid(dims, spacing_mm)?;
@@ -64,6 +71,7 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error
     }
 
     let samples = first.stored.kept_of_bits(samples, &mut notes)?;
+    let samples = components::reduced(samples, first.numbers, choice);
 
     let mut entries = Vec::new();
     if described.is_none() && !file.description.is_empty() {
@@ -102,7 +110,11 @@ pub(crate) struct Slice {
 }
 
 /// A TIFF with exactly one page.
-pub(crate) fn read_slice(bytes: &dyn Bytes, notes: &mut Vec<String>) -> Result<Slice, Error> {
+pub(crate) fn read_slice(
+    bytes: &dyn Bytes,
+    options: &ReadOptions,
+    notes: &mut Vec<String>,
+) -> Result<Slice, Error> {
     let file = Directories::read(bytes)?;
     let page = file.first()?;
     let planes = file.metamorph.as_ref().map_or(1, |found| found.planes);
@@ -117,9 +129,11 @@ pub(crate) fn read_slice(bytes: &dyn Bytes, notes: &mut Vec<String>) -> Result<S
     note_photometric(page, described.as_ref(), notes)?;
     let mut samples = Samples::new(page.sample_type);
     decode::append(page, bytes, file.endian, &mut samples)?;
+    let choice = components::choice(page.numbers, page.meaning, options, notes)?;
+    let samples = page.stored.kept_of_bits(samples, notes)?;
     Ok(Slice {
-        dims: [page.width, page.height],
-        samples: page.stored.kept_of_bits(samples, notes)?,
+        dims: [page.pixels(), page.height],
+        samples: components::reduced(samples, page.numbers, choice),
         spacing_mm: spacing_mm(&file, described.as_ref(), notes),
     })
 }
@@ -127,7 +141,8 @@ pub(crate) fn read_slice(bytes: &dyn Bytes, notes: &mut Vec<String>) -> Result<S
 /// What the program that wrote the file says of its pages.
 fn described(file: &Directories) -> Option<Description> {
     let known = Description::parse(&file.description, file.resolution);
-    known.or_else(|| shaped::parse(&file.description))
+    let numbers = file.pages.first().map_or(1, |page| page.numbers);
+    known.or_else(|| shaped::parse(&file.description, numbers))
 }
 
 /// Distance between voxel centres and whether it has a length unit, if the file says anything of it.
@@ -167,7 +182,11 @@ fn shape_text(page: &Page) -> String {
         Stored::Kept(kept) => kept.to_string(),
         other => format!("{other:?}").to_lowercase(),
     };
-    format!("{} x {}{depth} {kind}", page.width, page.height)
+    let numbers = match page.numbers {
+        1 => String::new(),
+        n => format!(" of {n} numbers"),
+    };
+    format!("{} x {}{depth} {kind}{numbers}", page.pixels(), page.height)
 }
 
 /// Stored numbers are values, whatever shade they were shown in.
@@ -177,7 +196,7 @@ fn note_photometric(
     notes: &mut Vec<String>,
 ) -> Result<(), Error> {
     match page.photometric {
-        Photometric::BlackIsZero => Ok(()),
+        Photometric::BlackIsZero | Photometric::Rgb => Ok(()),
         Photometric::WhiteIsZero => {
             notes.push("the picture shows 0 as white; the numbers are kept as they are".into());
             Ok(())
@@ -311,8 +330,10 @@ struct Order {
 }
 
 impl Order {
+    /// Of pixels of several numbers these are the channels.
     fn of(
         described: Option<&Description>,
+        numbers: usize,
         images: usize,
         notes: &mut Vec<String>,
     ) -> Result<Order, Error> {
@@ -324,7 +345,7 @@ impl Order {
         let Some(described) = described else {
             return Ok(all_slices);
         };
-        if described.channels > 1 {
+        if described.channels > 1 && described.channels != numbers {
             return Err(Error::field(
                 "number of channels",
                 described.channels,

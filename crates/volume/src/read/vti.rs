@@ -13,6 +13,7 @@
 //! size of a block and of the last one, and the packed size of each. Base64 writes that header by itself if data is packed.
 
 use super::block::{self, Block, Encoding, Endian, Trailing};
+use super::components;
 use super::stored::Stored;
 use super::{Bytes, Input, Loaded, ReadOptions, base64, unoriented, vtk};
 use crate::error::{Error, ErrorKind};
@@ -31,7 +32,7 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error
     let file = File::open(input.bytes)?;
     let (array, is_of_cells) = file.array(&mut notes)?;
     let grid = file.grid(is_of_cells, options)?;
-    let samples = file.samples(&array, grid.voxel_count(), &mut notes)?;
+    let samples = file.samples(&array, grid.voxel_count(), options, &mut notes)?;
     let volume = Volume::new(
         grid,
         samples,
@@ -310,15 +311,27 @@ impl File {
         &self,
         array: &Element,
         count: usize,
+        options: &ReadOptions,
         notes: &mut Vec<String>,
     ) -> Result<Samples, Error> {
         let stored = vtk::sample_type(array.required("type")?)?;
-        let components = array.attribute("NumberOfComponents").unwrap_or("1");
-        if !matches!(components, "0" | "1") {
-            return Err(vtk::components(&format!(
-                "an array of {components} components"
-            )));
-        }
+        let components = match array.attribute("NumberOfComponents") {
+            None | Some("0") => 1,
+            Some(number) => vtk::component_count(number)?,
+        };
+        let choice = components::choice(components, vtk::meaning(stored), options, notes)?;
+        let count = components::total(count, components)?;
+        let samples = self.numbers(array, count, stored, notes)?;
+        Ok(components::reduced(samples, components, choice))
+    }
+
+    fn numbers(
+        &self,
+        array: &Element,
+        count: usize,
+        stored: Stored,
+        notes: &mut Vec<String>,
+    ) -> Result<Samples, Error> {
         let format = array.attribute("format").unwrap_or("ascii");
         if format == "ascii" {
             let inside = &self.bytes[array.end..];

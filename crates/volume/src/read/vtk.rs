@@ -8,12 +8,13 @@
 //! | `DATASET STRUCTURED_POINTS`            | other data sets are refused                                      |
 //! | `DIMENSIONS`, `ORIGIN`, `SPACING`      | points along x, y, z; of the first; between them (also `ASPECT_RATIO`) |
 //! | `POINT_DATA n`, `CELL_DATA n`          | what follows belongs to points, or to the cells between them     |
-//! | `SCALARS name type [1]`, `LOOKUP_TABLE name` | the samples follow                                         |
+//! | `SCALARS name type [n]`, `LOOKUP_TABLE name` | the samples follow                                         |
 //! | `FIELD name n`, then `name 1 n type`   | the samples follow                                               |
 //!
 //! Axes are taken as left, back, up (LPS), as ITK does.
 
 use super::block::{Block, Encoding, Endian, Trailing};
+use super::components::{self, Meaning};
 use super::header_lines::{HeaderLines, numbers, required};
 use super::stored::Stored;
 use super::{Input, Loaded, ReadOptions, unoriented};
@@ -83,6 +84,13 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error
             format!("{count}, for {:?} voxels", grid.dims()),
         ));
     }
+    let choice = components::choice(
+        header.components,
+        meaning(header.stored),
+        options,
+        &mut notes,
+    )?;
+    let count = components::total(count, header.components)?;
     let block = Block {
         encoding: match header.is_text {
             true => Encoding::Ascii,
@@ -98,6 +106,7 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error
         true => stored.kept_of_text(block.read(stored.of_text(), count)?, &mut notes)?,
         false => stored.kept_of_bits(block.read(stored.bits(), count)?, &mut notes)?,
     };
+    let samples = components::reduced(samples, header.components, choice);
     let volume = Volume::new(
         grid,
         samples,
@@ -126,7 +135,9 @@ struct Header {
     spacing: [f64; 3],
     is_of_cells: bool,
     stored: Stored,
-    /// Samples said, and where they begin.
+    /// Numbers per voxel.
+    components: usize,
+    /// Voxels said, and where the samples begin.
     count: usize,
     data: u64,
     notes: Vec<String>,
@@ -161,6 +172,7 @@ impl Header {
             spacing: [1.0; 3],
             is_of_cells: false,
             stored: Stored::Kept(SampleType::U8),
+            components: 1,
             count: 0,
             data: 0,
             notes: Vec::new(),
@@ -192,8 +204,16 @@ impl Header {
                     header.field(rest, &mut lines)?;
                     break;
                 }
-                "VECTORS" | "NORMALS" | "TENSORS" | "COLOR_SCALARS" | "TEXTURE_COORDINATES" => {
-                    return Err(components(key));
+                "VECTORS" if count.is_some() => {
+                    header.scalars(&format!("{} 3", rest.trim()), count, &mut lines)?;
+                    break;
+                }
+                "NORMALS" | "TENSORS" | "COLOR_SCALARS" | "TEXTURE_COORDINATES" => {
+                    return Err(ErrorKind::Unsupported {
+                        feature: key.to_owned(),
+                        instead: "write the samples as SCALARS".into(),
+                    }
+                    .into());
                 }
                 "FIELD" => skipped.push("FIELD"),
                 _ => {}
@@ -233,9 +253,7 @@ impl Header {
                 ));
             }
         };
-        if number != "1" {
-            return Err(components(&format!("SCALARS of {number} components")));
-        }
+        self.components = component_count(number)?;
         self.stored = sample_type(kind)?;
         self.count = count.unwrap_or(0);
         self.data = lines.position();
@@ -264,9 +282,7 @@ impl Header {
                 "a name, the number of components, that of samples, and a type",
             ));
         };
-        if number != "1" {
-            return Err(components(&format!("a field of {number} components")));
-        }
+        self.components = component_count(number)?;
         self.stored = sample_type(kind)?;
         self.count = numbers::<usize>("an array of FIELD", count, 1)?[0];
         self.data = lines.position();
@@ -295,12 +311,18 @@ impl Header {
     }
 }
 
-pub(crate) fn components(what: &str) -> Error {
-    ErrorKind::Unsupported {
-        feature: format!("{what}: several numbers per voxel"),
-        instead: "write one component as an array of its own".into(),
+/// The numbers of a voxel.
+pub(crate) fn component_count(text: &str) -> Result<usize, Error> {
+    let count = text.trim().parse().ok().filter(|n| (1..=1024).contains(n));
+    count.ok_or_else(|| Error::field("number of components", format!("`{text}`"), "1 to 1024"))
+}
+
+/// Bytes are colours, as in ParaView.
+pub(crate) fn meaning(stored: Stored) -> Meaning {
+    match stored {
+        Stored::Kept(SampleType::U8) => Meaning::Colour,
+        _ => Meaning::Vector,
     }
-    .into()
 }
 
 fn other_data_set(name: &str) -> Error {

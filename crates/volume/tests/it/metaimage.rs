@@ -193,10 +193,7 @@ fn wrong_headers_are_refused_with_the_key_named() {
             change("ElementDataFile = LOCAL\n", ""),
             "`ElementDataFile` ends the header",
         ),
-        (
-            more("ElementNumberOfChannels = 3"),
-            "ElementNumberOfChannels = 3",
-        ),
+        (more("ElementNumberOfChannels = 3"), "3 numbers per voxel"),
         (more("BinaryData = Maybe"), "BinaryData is `maybe`"),
         (more("HeaderSize = -2"), "HeaderSize is -2"),
         (more("NDims = 4"), "NDims is given twice"),
@@ -275,4 +272,23 @@ fn whole_numbers_of_64_bits_are_read_where_they_fit() {
         assert_eq!(*loaded.volume.samples(), Samples::I32((-3..3).collect()));
         assert!(loaded.notes[0].contains("as i32"), "{:?}", loaded.notes);
     }
+}
+
+#[test]
+fn channels_lie_side_by_side() {
+    let header = |kind: &str, channels: usize| {
+        format!(
+            "NDims = 2\nDimSize = 2 1\nElementType = {kind}\nElementNumberOfChannels = {channels}\nElementDataFile = LOCAL\n"
+        )
+    };
+    let options = ReadOptions {
+        component: Some(2),
+        ..ReadOptions::default()
+    };
+    let file = [header("MET_SHORT", 3).as_bytes(), &little()].concat();
+    let loaded = read_with(&[("v.mha", &file)], &options).unwrap();
+    assert_eq!(*loaded.volume.samples(), Samples::I16(vec![3, 6]));
+    let file = [header("MET_UCHAR", 3).as_bytes(), &[255, 0, 0, 9, 9, 9]].concat();
+    let loaded = read(&[("v.mha", &file)]).unwrap();
+    assert_eq!(*loaded.volume.samples(), Samples::U8(vec![54, 9]));
 }

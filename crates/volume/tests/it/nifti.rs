@@ -373,7 +373,10 @@ fn a_time_point_is_picked_from_four_dimensions() {
     }
     file.dim = vec![5, 2, 1, 1, 1, 3];
     let message = message(&[("v.nii", &file.bytes())]);
-    assert!(message.contains("dim[5] = 3"), "{message}");
+    assert!(message.contains("3 numbers per voxel"), "{message}");
+    file.dim = vec![6, 2, 1, 1, 1, 1, 3];
+    let message = crate::message(&[("v.nii", &file.bytes())]);
+    assert!(message.contains("dim[6] = 3"), "{message}");
 }
 
 #[test]
@@ -391,13 +394,7 @@ fn an_intent_of_labels_is_told() {
 
 #[test]
 fn what_cannot_be_read_is_named() {
-    for (datatype, name) in [
-        (128, "RGB24"),
-        (2304, "RGBA32"),
-        (32, "complex64"),
-        (1536, "float128"),
-        (1, "binary"),
-    ] {
+    for (datatype, name) in [(32, "complex64"), (1536, "float128"), (1, "binary")] {
         let file = NiftiFile {
             datatype,
             ..NiftiFile::default()
@@ -547,4 +544,58 @@ fn whole_numbers_of_64_bits_are_read_where_they_fit() {
     };
     let refused = message(&[("v.nii", &file.bytes())]);
     assert!(refused.contains("9223372036854775807"), "{refused}");
+}
+
+#[test]
+fn colours_become_luminance_and_components_can_be_picked() {
+    let with = |file: &NiftiFile, component| {
+        let options = ReadOptions {
+            component,
+            ..ReadOptions::default()
+        };
+        read_with(&[("v.nii", &file.bytes())], &options)
+    };
+    // Red, green, blue, white, black, grey of 100.
+    let colours = [
+        [255, 0, 0],
+        [0, 255, 0],
+        [0, 0, 255],
+        [255; 3],
+        [0; 3],
+        [100; 3],
+    ];
+    for (datatype, alpha) in [(128, &[][..]), (2304, &[7][..])] {
+        let file = NiftiFile {
+            datatype,
+            data: colours.iter().flat_map(|c| [c, alpha].concat()).collect(),
+            ..NiftiFile::default()
+        };
+        let loaded = with(&file, None).unwrap();
+        assert_eq!(
+            *loaded.volume.samples(),
+            Samples::U8(vec![54, 182, 18, 255, 0, 100])
+        );
+        assert!(loaded.notes[0].contains("luminance"), "{:?}", loaded.notes);
+        let green = with(&file, Some(1)).unwrap();
+        assert_eq!(
+            *green.volume.samples(),
+            Samples::U8(vec![0, 255, 0, 255, 0, 100])
+        );
+        assert!(with(&file, Some(4)).is_err());
+    }
+    // A vector of two numbers at two times: the components are slowest.
+    let vectors = NiftiFile {
+        dim: vec![5, 2, 3, 1, 2, 2],
+        data: (0..24i16).flat_map(|n| n.to_le_bytes()).collect(),
+        ..NiftiFile::default()
+    };
+    let asked = with(&vectors, None).unwrap_err();
+    assert!(asked.to_string().contains("0 to 1"), "{asked}");
+    let options = ReadOptions {
+        component: Some(1),
+        time_index: 1,
+        ..ReadOptions::default()
+    };
+    let loaded = read_with(&[("v.nii", &vectors.bytes())], &options).unwrap();
+    assert_eq!(*loaded.volume.samples(), Samples::I16((18..24).collect()));
 }

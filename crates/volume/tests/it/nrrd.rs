@@ -183,12 +183,9 @@ fn a_list_or_time_axis_is_picked_from_wherever_it_stands() {
             assert_eq!(volume.metadata().time_points, length);
         }
     }
-    let vector = "NRRD0004\ntype: uchar\ndimension: 4\nsizes: 3 2 2 2\nkinds: RGB-color domain domain domain\nencoding: raw\n";
+    let vector = "NRRD0004\ntype: uchar\ndimension: 4\nsizes: 3 2 2 2\nkinds: 3-vector domain domain domain\nencoding: raw\n";
     let message = message(&[("v.nrrd", &attached(vector, &data))]);
-    assert!(
-        message.contains("rgb-color") && message.contains("3 entries"),
-        "{message}"
-    );
+    assert!(message.contains("3 numbers per voxel"), "{message}");
 }
 
 #[test]
@@ -436,4 +433,49 @@ fn whole_numbers_of_64_bits_are_read_where_they_fit() {
         let expected = (least as i32..least as i32 + 6).collect();
         assert_eq!(*loaded.volume.samples(), Samples::I32(expected), "{name}");
     }
+}
+
+#[test]
+fn vectors_lie_along_any_axis() {
+    let read_one = |header: &str, component, time_index| {
+        let options = ReadOptions {
+            component,
+            time_index,
+            ..ReadOptions::default()
+        };
+        read_with(
+            &[("v.nrrd", &attached(header, &(0..24).collect::<Vec<u8>>()))],
+            &options,
+        )
+    };
+    let start = "NRRD0004\ntype: uint8\nencoding: raw\n";
+    // Two numbers, then x, y and two times.
+    let first =
+        format!("{start}dimension: 5\nsizes: 2 2 3 1 2\nkinds: vector domain domain domain time\n");
+    let loaded = read_one(&first, Some(1), 1).unwrap();
+    assert_eq!(
+        *loaded.volume.samples(),
+        Samples::U8((0..6).map(|i| 12 + 2 * i + 1).collect())
+    );
+    let asked = read_one(&first, None, 0).unwrap_err().to_string();
+    assert!(
+        asked.contains("pick one of its components, 0 to 1"),
+        "{asked}"
+    );
+    // The times in front, the numbers behind.
+    let last =
+        format!("{start}dimension: 5\nsizes: 2 2 3 1 2\nkinds: time domain domain domain vector\n");
+    let loaded = read_one(&last, Some(1), 0).unwrap();
+    assert_eq!(
+        *loaded.volume.samples(),
+        Samples::U8((0..6).map(|i| 12 + 2 * i).collect())
+    );
+    let colour =
+        format!("{start}dimension: 4\nsizes: 4 2 3 1\nkinds: RGBA-color domain domain domain\n");
+    let loaded = read_one(&colour, None, 0).unwrap();
+    // 0.2126 · 4k + 0.7152 · (4k + 1) + 0.0722 · (4k + 2)
+    let expected = (0..6)
+        .map(|k| (4.0 * f64::from(k) + 0.8596).round() as u8)
+        .collect();
+    assert_eq!(*loaded.volume.samples(), Samples::U8(expected));
 }

@@ -1,6 +1,6 @@
 //! Sequences of pictures, and single ones.
 
-use crate::{gzip, message, read, tiff};
+use crate::{gzip, message, read, read_with, tiff};
 use glam::DVec3;
 use strahl_volume::read::{Loaded, MemoryFiles, ReadOptions, read_folder};
 use strahl_volume::{Error, Samples};
@@ -18,7 +18,9 @@ fn encode(
     encoder.set_depth(depth);
     encoder.set_color(color);
     if color == png::ColorType::Indexed {
-        encoder.set_palette(vec![0; 768]);
+        let last = if depth == png::BitDepth::One { 1 } else { 255 };
+        let blue_to_red = (0..=last).flat_map(|i| [i, 0, 255 - i]);
+        encoder.set_palette(blue_to_red.collect::<Vec<u8>>());
     }
     let mut writer = encoder.write_header().unwrap();
     writer.write_image_data(data).unwrap();
@@ -191,18 +193,52 @@ fn mixed_names_are_asked_about() {
 }
 
 #[test]
-fn what_is_not_grey_is_refused() {
+fn colours_become_luminance_and_components_can_be_picked() {
     use png::ColorType::{GrayscaleAlpha, Indexed, Rgb, Rgba};
-    for (color, bytes, part) in [
-        (Rgb, 3, "colour (RGB)"),
-        (Rgba, 4, "colour (RGB)"),
-        (Indexed, 1, "colour (a palette)"),
-        (GrayscaleAlpha, 2, "alpha"),
+    let pick = |file: &[u8], component| {
+        let options = ReadOptions {
+            component,
+            ..ReadOptions::default()
+        };
+        let loaded = read_with(&[("a.png", file)], &options)?;
+        assert!(loaded.notes.len() == 2, "{:?}", loaded.notes);
+        Ok::<_, Error>(loaded.volume.samples().clone())
+    };
+    // The palette goes from blue to red.
+    for (color, data, grey, second) in [
+        (Rgb, &[255, 0, 0, 10, 20, 30][..], [54, 19], [0, 20]),
+        (
+            Rgba,
+            &[0, 255, 0, 9, 100, 100, 100, 9],
+            [182, 100],
+            [255, 100],
+        ),
+        (GrayscaleAlpha, &[7, 255, 8, 0], [7, 8], [255, 0]),
+        (Indexed, &[10, 255], [20, 54], [0, 0]),
     ] {
-        let file = encode(1, 1, png::BitDepth::Eight, color, &vec![0; bytes]);
-        let error = message(&[("a.png", &file)]);
-        assert!(error.contains(part) && error.contains("convert"), "{error}");
+        let file = encode(2, 1, png::BitDepth::Eight, color, data);
+        assert_eq!(
+            pick(&file, None).unwrap(),
+            Samples::U8(grey.to_vec()),
+            "{color:?}"
+        );
+        assert_eq!(
+            pick(&file, Some(1)).unwrap(),
+            Samples::U8(second.to_vec()),
+            "{color:?}"
+        );
+        let error = pick(&file, Some(4)).unwrap_err().to_string();
+        assert!(error.contains("component is 4"), "{error}");
     }
+    let deep = [0xFF, 0xFF, 0, 0, 0, 0];
+    let file = encode(1, 1, png::BitDepth::Sixteen, Rgb, &deep);
+    assert_eq!(pick(&file, None).unwrap(), Samples::U16(vec![13933]));
+    // One bit an index.
+    let file = encode(3, 1, png::BitDepth::One, Indexed, &[0b0100_0000]);
+    assert_eq!(
+        pick(&file, Some(2)).unwrap(),
+        Samples::U8(vec![255, 254, 255])
+    );
 }
 
 #[test]

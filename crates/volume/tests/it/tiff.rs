@@ -408,10 +408,6 @@ fn what_is_not_grey_is_refused() {
     let palette = [0; 768].to_vec();
     for (page, part) in [
         (
-            page().set(262, SHORT, &[2]).set(277, SHORT, &[3]),
-            "colour (RGB)",
-        ),
-        (
             page().set(262, SHORT, &[3]).set(320, SHORT, &palette),
             "colour (a palette)",
         ),
@@ -420,8 +416,16 @@ fn what_is_not_grey_is_refused() {
             "colour (YCbCr)",
         ),
         (
-            page().set(277, SHORT, &[2]),
+            page().set(262, SHORT, &[2]).set(277, SHORT, &[2]),
             "SamplesPerPixel of page 1 is 2",
+        ),
+        (
+            page().set(277, SHORT, &[3]).set(284, SHORT, &[2]),
+            "PlanarConfiguration of page 1 is 2",
+        ),
+        (
+            page().set(277, SHORT, &[2]).set(258, SHORT, &[8, 16]),
+            "BitsPerSample of page 1 is [8, 16]",
         ),
         (
             page().set(262, SHORT, &[77]),
@@ -787,4 +791,46 @@ fn half_floats_and_64_bit_numbers_are_read() {
     // Packed as a whole.
     let loaded = read(&[("v.tif.gz", &gzip(&small()))]).unwrap();
     assert_eq!(loaded.volume.grid().dims(), [2, 3, 2]);
+}
+
+#[test]
+fn colours_become_luminance_and_components_can_be_picked() {
+    let pick = |page: &Page, component| {
+        let options = ReadOptions {
+            component,
+            ..ReadOptions::default()
+        };
+        let file = Tiff::new(vec![page.clone(), page.clone()]).bytes();
+        let loaded = read_with(&[("v.tif", &file)], &options)?;
+        assert_eq!(loaded.volume.grid().dims(), [3, 1, 2]);
+        let first = (0..3)
+            .map(|x| loaded.volume.value(x, 0, 0))
+            .collect::<Vec<_>>();
+        assert_eq!(loaded.volume.value(2, 0, 1), first[2]);
+        Ok::<_, strahl_volume::Error>(first)
+    };
+    let pixels = [[255u8, 0, 0], [0, 255, 0], [10, 20, 30]];
+    let rgb = Page::new(3, 1, 8, 1, &pixels.concat())
+        .set(258, SHORT, &[8, 8, 8])
+        .set(262, SHORT, &[2])
+        .set(277, SHORT, &[3]);
+    assert_eq!(pick(&rgb, None).unwrap(), [54.0, 182.0, 19.0]);
+    assert_eq!(pick(&rgb, Some(2)).unwrap(), [0.0, 0.0, 30.0]);
+    // Packed, with differences to the pixel on the left; tiles beyond the page.
+    let differences = [255, 0, 0, 1, 255, 0, 10, 21, 30, 0, 0, 0];
+    let mut tiles = rgb
+        .clone()
+        .set(259, SHORT, &[8])
+        .set(317, SHORT, &[2])
+        .set(322, SHORT, &[4])
+        .set(323, SHORT, &[1]);
+    tiles.tiled = true;
+    tiles.chunks = vec![deflate(&differences)];
+    assert_eq!(pick(&tiles, Some(1)).unwrap(), [0.0, 255.0, 20.0]);
+    // Grey with opacity, and numbers that nobody names.
+    let two = Page::new(3, 1, 8, 1, &[1, 255, 2, 255, 3, 0]).set(277, SHORT, &[2]);
+    let grey = two.clone().set(338, SHORT, &[2]);
+    assert_eq!(pick(&grey, None).unwrap(), [1.0, 2.0, 3.0]);
+    assert!(pick(&two, None).unwrap_err().to_string().contains("0 to 1"));
+    assert_eq!(pick(&two, Some(1)).unwrap(), [255.0, 255.0, 0.0]);
 }

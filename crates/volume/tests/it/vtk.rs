@@ -63,11 +63,11 @@ fn other_data_of_vtk_is_named() {
     for (file, part) in [
         (
             legacy("BINARY", "POINT_DATA 6\nSCALARS d short 3\n", &big()),
-            "3 components",
+            "3 numbers per voxel",
         ),
         (
             legacy("BINARY", "POINT_DATA 6\nVECTORS d short\n", &big()),
-            "several numbers",
+            "3 numbers per voxel",
         ),
         (
             legacy("BINARY", "POINT_DATA 5\nSCALARS d short\n", &big()),
@@ -216,7 +216,7 @@ fn xml_places_images_by_extent_and_direction() {
         (
             "Name=\"density\"",
             "NumberOfComponents=\"3\"",
-            "3 components",
+            "3 numbers per voxel",
         ),
         (
             "format=\"ascii\"",

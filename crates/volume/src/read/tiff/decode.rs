@@ -133,13 +133,13 @@ impl Decoding<'_> {
             into.resize(start + width, T::zeroed());
             let samples = &mut into[start..];
             if page.predictor == Predictor::FloatingPoint {
-                undo_floating_point(&mut packed, samples);
+                undo_floating_point(&mut packed, samples, page.numbers);
                 continue;
             }
             bytemuck::cast_slice_mut(samples).copy_from_slice(&packed);
             to_native(samples, self.endian);
             if page.predictor == Predictor::Horizontal {
-                undo_horizontal(samples);
+                undo_horizontal(samples, page.numbers);
             }
         }
         Ok(())
@@ -224,14 +224,13 @@ fn reserve<T>(into: &mut Vec<T>, additional: usize) -> Result<(), Error> {
     })
 }
 
-/// Each stored number is the difference to the one on its left, as bits and modulo their number.
-fn undo_horizontal<T: Sample>(row: &mut [T]) {
+/// Each stored number is the difference to the same one of the pixel on its left, as bits and modulo their number.
+fn undo_horizontal<T: Sample>(row: &mut [T], numbers: usize) {
     macro_rules! sum_up {
         ($unsigned:ty) => {{
-            let mut sum: $unsigned = 0;
-            for bits in bytemuck::cast_slice_mut::<T, $unsigned>(row) {
-                sum = sum.wrapping_add(*bits);
-                *bits = sum;
+            let bits = bytemuck::cast_slice_mut::<T, $unsigned>(row);
+            for i in numbers..bits.len() {
+                bits[i] = bits[i].wrapping_add(bits[i - numbers]);
             }
         }};
     }
@@ -245,8 +244,8 @@ fn undo_horizontal<T: Sample>(row: &mut [T]) {
 
 /// The row's bytes are stored highest bytes of all samples first, each as the difference to the one
 /// before (TIFF Technical Note 3).
-fn undo_floating_point<T: Sample>(packed: &mut [u8], row: &mut [T]) {
-    undo_horizontal(packed);
+fn undo_floating_point<T: Sample>(packed: &mut [u8], row: &mut [T], numbers: usize) {
+    undo_horizontal(packed, numbers);
     let (size, width) = (size_of::<T>(), row.len());
     let bytes: &mut [u8] = bytemuck::cast_slice_mut(row);
     for (i, sample) in bytes.chunks_exact_mut(size).enumerate() {
@@ -410,10 +409,13 @@ mod tests {
     #[test]
     fn differences_are_summed_modulo() {
         let mut row = [250u8, 10, 255];
-        undo_horizontal(&mut row);
+        undo_horizontal(&mut row, 1);
         assert_eq!(row, [250, 4, 3]);
+        let mut row = [250u8, 10, 255, 7];
+        undo_horizontal(&mut row, 2);
+        assert_eq!(row, [250, 10, 249, 17]);
         let mut row = [-1i16, 2];
-        undo_horizontal(&mut row);
+        undo_horizontal(&mut row, 1);
         assert_eq!(row, [-1, 1]);
     }
 }

@@ -11,6 +11,7 @@ use super::source::{Source, integer};
 use crate::error::{Error, ErrorKind};
 use crate::read::Bytes;
 use crate::read::block::Endian;
+use crate::read::components::Meaning;
 use crate::read::stored::Stored;
 use crate::{Grid, SampleType};
 use std::collections::HashSet;
@@ -36,7 +37,11 @@ pub(super) struct Directories {
 pub(super) struct Page {
     /// From 1.
     pub(super) number: usize,
+    /// Numbers of a row: pixels times numbers of a pixel.
     pub(super) width: usize,
+    /// Numbers of a pixel, and what they are.
+    pub(super) numbers: usize,
+    pub(super) meaning: Meaning,
     pub(super) height: usize,
     /// Slices behind one another in this page (SGI's ImageDepth).
     pub(super) depth: usize,
@@ -87,6 +92,7 @@ pub(super) enum Photometric {
     WhiteIsZero,
     BlackIsZero,
     Palette,
+    Rgb,
 }
 
 mod tag {
@@ -104,11 +110,13 @@ mod tag {
     pub(super) const STRIP_BYTE_COUNTS: u16 = 279;
     pub(super) const X_RESOLUTION: u16 = 282;
     pub(super) const Y_RESOLUTION: u16 = 283;
+    pub(super) const PLANAR_CONFIGURATION: u16 = 284;
     pub(super) const PREDICTOR: u16 = 317;
     pub(super) const TILE_WIDTH: u16 = 322;
     pub(super) const TILE_LENGTH: u16 = 323;
     pub(super) const TILE_OFFSETS: u16 = 324;
     pub(super) const TILE_BYTE_COUNTS: u16 = 325;
+    pub(super) const EXTRA_SAMPLES: u16 = 338;
     pub(super) const SAMPLE_FORMAT: u16 = 339;
     pub(super) const IMAGE_DEPTH: u16 = 32997;
     pub(super) const TILE_DEPTH: u16 = 32998;
@@ -192,8 +200,14 @@ impl Directories {
 
 impl Page {
     /// Pages of one stack agree in these.
-    pub(super) fn shape(&self) -> ([usize; 3], Stored) {
-        ([self.width, self.height, self.depth], self.stored)
+    pub(super) fn shape(&self) -> ([usize; 3], usize, Stored) {
+        let dims = [self.pixels(), self.height, self.depth];
+        (dims, self.numbers, self.stored)
+    }
+
+    /// Pixels of a row.
+    pub(super) fn pixels(&self) -> usize {
+        self.width / self.numbers
     }
 
     /// Whether samples are stored in whole bytes.
@@ -389,7 +403,8 @@ impl Directory<'_> {
     fn page(&self) -> Result<Page, Error> {
         let width = self.edge(tag::IMAGE_WIDTH, "ImageWidth")?;
         let height = self.edge(tag::IMAGE_LENGTH, "ImageLength")?;
-        let photometric = self.photometric()?;
+        let (photometric, numbers) = self.photometric()?;
+        let meaning = self.meaning(photometric, numbers)?;
         let (stored, bits) = self.sample_type()?;
         let compression = self.compression()?;
         let predictor = self.predictor(compression, stored, bits)?;
@@ -417,7 +432,9 @@ impl Directory<'_> {
         };
         let mut page = Page {
             number: self.number,
-            width,
+            width: width * numbers,
+            numbers,
+            meaning,
             height,
             depth,
             sample_type: stored.bits(),
@@ -427,7 +444,7 @@ impl Directory<'_> {
             photometric,
             compression,
             predictor,
-            chunk_width,
+            chunk_width: chunk_width * numbers,
             chunk_height,
             chunk_depth,
             chunks: Vec::new(),
@@ -436,31 +453,66 @@ impl Directory<'_> {
         Ok(page)
     }
 
-    fn photometric(&self) -> Result<Photometric, Error> {
+    /// What the numbers of a pixel are, which have to lie side by side and be of one type.
+    fn meaning(&self, photometric: Photometric, numbers: usize) -> Result<Meaning, Error> {
+        if numbers > 1 && self.number(tag::PLANAR_CONFIGURATION)? == Some(2) {
+            return Err(Error::field(
+                self.field("PlanarConfiguration"),
+                2,
+                "1; save channels side by side or as files of their own",
+            ));
+        }
+        for (tag, name) in [
+            (tag::BITS_PER_SAMPLE, "BitsPerSample"),
+            (tag::SAMPLE_FORMAT, "SampleFormat"),
+        ] {
+            let all = self.numbers(tag, 1 << 16)?.unwrap_or_default();
+            if all.iter().any(|n| *n != all[0]) {
+                let found = format!("{all:?}");
+                return Err(Error::field(
+                    self.field(name),
+                    found,
+                    "the same for all numbers of a pixel",
+                ));
+            }
+        }
+        // 1 and 2 are opacity.
+        let extra = self.number(tag::EXTRA_SAMPLES)?.unwrap_or(0);
+        Ok(match photometric {
+            Photometric::Rgb => Meaning::Colour,
+            _ if numbers == 2 && matches!(extra, 1 | 2) => Meaning::Colour,
+            _ => Meaning::Vector,
+        })
+    }
+
+    fn photometric(&self) -> Result<(Photometric, usize), Error> {
         let samples = self.number(tag::SAMPLES_PER_PIXEL)?.unwrap_or(1);
         let photometric = self.number(tag::PHOTOMETRIC)?;
         match photometric {
-            Some(2) => return Err(colour("RGB")),
             Some(5) => return Err(colour("CMYK")),
             Some(6) => return Err(colour("YCbCr")),
             Some(8..=10) => return Err(colour("Lab")),
             _ => {}
         }
-        if samples != 1 {
+        const MOST: u64 = 64;
+        let least = if photometric == Some(2) { 3 } else { 1 };
+        if !(least..=MOST).contains(&samples) {
             return Err(Error::field(
                 self.field("SamplesPerPixel"),
                 samples,
-                "1; save grey pages without alpha, and channels as files of their own",
+                format!("{least} to {MOST}"),
             ));
         }
+        let numbers = samples as usize;
         match photometric {
-            Some(0) => Ok(Photometric::WhiteIsZero),
-            None | Some(1) => Ok(Photometric::BlackIsZero),
-            Some(3) => Ok(Photometric::Palette),
+            Some(0) => Ok((Photometric::WhiteIsZero, numbers)),
+            None | Some(1) => Ok((Photometric::BlackIsZero, numbers)),
+            Some(2) => Ok((Photometric::Rgb, numbers)),
+            Some(3) => Ok((Photometric::Palette, numbers)),
             Some(other) => Err(Error::field(
                 self.field("PhotometricInterpretation"),
                 other,
-                "0 or 1 (grey)",
+                "0 or 1 (grey), or 2 (RGB)",
             )),
         }
     }

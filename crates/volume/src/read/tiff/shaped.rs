@@ -8,8 +8,8 @@
 
 use super::description::{Description, Writer};
 
-/// Nothing if the text says no shape.
-pub(super) fn parse(text: &str) -> Option<Description> {
+/// Nothing if the text says no shape. `numbers` is how many a pixel has.
+pub(super) fn parse(text: &str, numbers: usize) -> Option<Description> {
     let text = text.trim();
     let list = match text.strip_prefix("shape=(") {
         Some(rest) => rest,
@@ -34,7 +34,12 @@ pub(super) fn parse(text: &str) -> Option<Description> {
         false => None,
     };
     let axes = axes.filter(|axes| axes.is_ascii() && axes.len() == shape.len());
-    described(&shape, axes)
+    // Numbers of a pixel are the last axis.
+    let shape = match shape.split_last() {
+        Some((last, rest)) if axes.is_none() && numbers > 1 && *last == numbers => rest,
+        _ => &shape,
+    };
+    described(shape, axes)
 }
 
 /// What follows a key of a JSON object.
@@ -99,7 +104,7 @@ mod tests {
     #[test]
     fn axes_say_what_is_slice_and_time() {
         let order = |text: &str| {
-            let found = parse(text)?;
+            let found = parse(text, 1)?;
             Some((
                 found.slices,
                 found.times,
@@ -136,6 +141,11 @@ mod tests {
         ] {
             assert_eq!(order(text), Some(expected), "{text}");
         }
+        let colours = parse(r#"{"shape": [7, 4, 5, 3]}"#, 3).unwrap();
+        assert_eq!(
+            (colours.slices, colours.times, colours.images),
+            (7, 1, Some(7))
+        );
         for text in [
             "{}",
             "made by hand",
