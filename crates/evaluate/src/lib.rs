@@ -320,7 +320,7 @@ impl<'a> Scenery<'a> {
                     Ok(Resource::Texture(Texture::new(brick_dims, 1, numbers)?))
                 }
                 bindings::NOISE_TILE => {
-                    let (edge, values) = noise_tile(plan);
+                    let (edge, values) = noise_tile(plan, store, control)?;
                     let rows = values.len() as u32 / edge;
                     flat(values, [edge, rows], 1)
                 }

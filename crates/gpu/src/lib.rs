@@ -636,7 +636,7 @@ impl Renderer {
         );
         let bricks = self.bricks(plan, &mut objects, &data, control)?;
         let pages = self.pages(plan, &mut objects, &data);
-        let tile = self.noise_tile(plan);
+        let tile = self.noise_tile(plan, control)?;
         let geometry =
             (!plan.meshes.is_empty()).then(|| Geometry::new(&self.device, &data.meshes, plan));
         let frame_buffer = self.uniform("frame", &frame.bytes(&objects));
@@ -795,15 +795,15 @@ impl Renderer {
         )
     }
 
-    fn noise_tile(&self, plan: &Plan) -> wgpu::TextureView {
-        let (edge, values) = noise_tile(plan);
-        self.texture(
+    fn noise_tile(&self, plan: &Plan, control: &Control) -> Result<wgpu::TextureView, Error> {
+        let (edge, values) = noise_tile(plan, &self.data.store, control)?;
+        Ok(self.texture(
             "noise tile",
             wgpu::TextureDimension::D2,
             wgpu::TextureFormat::R32Float,
             [edge, edge, 1],
             bytemuck::cast_slice(&values),
-        )
+        ))
     }
 
     fn texture(

@@ -4,8 +4,9 @@ use crate::frame::Object;
 use crate::functions::choose;
 use crate::segments::SegmentTable;
 use strahl_scene::NoiseTile;
-use strahl_scene::plan::{Jitter, Plan};
+use strahl_scene::plan::Plan;
 use strahl_shader::{Error, TABLE_ROW, TECHNIQUE_TEXELS, TechniqueTexels};
+use strahl_volume::{Cancelled, Control, Store};
 
 /// A table that a graph reads, linear RGBA, rows from the top.
 #[derive(Clone, Debug, PartialEq)]
@@ -68,13 +69,19 @@ pub fn tables(
 }
 
 /// The numbers that jitter repeats over the picture, row by row, and how many there are in a row.
-pub fn noise_tile(plan: &Plan) -> (u32, Vec<f32>) {
-    let tile = match plan.lattice.jitter {
-        Jitter::WhiteTile(seed) => NoiseTile::white(seed),
-        Jitter::BlueTile(seed) => NoiseTile::blue(seed),
-        Jitter::Centre | Jitter::Hash(_) | Jitter::SineHash => return (1, vec![0.5]),
-    };
-    (tile.edge(), tile.values().to_vec())
+///
+/// # Errors
+/// It was cancelled.
+pub fn noise_tile(
+    plan: &Plan,
+    store: &Store,
+    control: &Control,
+) -> Result<(u32, Vec<f32>), Cancelled> {
+    let tile = NoiseTile::find(plan.lattice.jitter, store, control)?;
+    Ok(match tile {
+        Some(tile) => (tile.edge(), tile.values().to_vec()),
+        None => (1, vec![0.5]),
+    })
 }
 
 /// Blocks behind one another along z, in one block that is wide enough for all: its dimensions, its

@@ -1,6 +1,8 @@
 //! Tiles of noise for jitter, repeated over the picture.
 
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use crate::plan::Jitter;
+use std::sync::Arc;
+use strahl_volume::{Cancelled, Control, Key, Store};
 
 /// A square of numbers in [0, 1), all different, that repeats.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,19 +19,31 @@ impl NoiseTile {
     }
 
     /// 64 × 64 numbers of blue noise: each threshold leaves an even spread of pixels, so that the
-    /// grain has no coarse parts. By void and cluster (R. Ulichney 1993), which takes a moment, and
-    /// is kept for the seed asked for last.
-    pub fn blue(seed: u32) -> NoiseTile {
-        static LAST: OnceLock<Mutex<Option<(u32, NoiseTile)>>> = OnceLock::new();
-        let last = LAST.get_or_init(Mutex::default);
-        let mut last = last.lock().unwrap_or_else(PoisonError::into_inner);
-        match &*last {
-            Some((known, tile)) if *known == seed => tile.clone(),
-            _ => {
-                let tile = NoiseTile::ranked(BLUE_EDGE as u32, &void_and_cluster(seed));
-                *last = Some((seed, tile.clone()));
-                tile
-            }
+    /// grain has no coarse parts. By void and cluster (R. Ulichney 1993), which takes a moment.
+    ///
+    /// # Errors
+    /// It was cancelled.
+    pub fn blue(seed: u32, control: &Control) -> Result<NoiseTile, Cancelled> {
+        let ranks = void_and_cluster(seed, control)?;
+        Ok(NoiseTile::ranked(BLUE_EDGE as u32, &ranks))
+    }
+
+    /// The tile that `jitter` reads, if it reads one: found in `store`, or made.
+    ///
+    /// # Errors
+    /// It was cancelled.
+    pub fn find(
+        jitter: Jitter,
+        store: &Store,
+        control: &Control,
+    ) -> Result<Option<Arc<NoiseTile>>, Cancelled> {
+        let make = |tile: &dyn Fn() -> Result<NoiseTile, Cancelled>| {
+            store.find(&NoiseTileOf(jitter), control, tile).map(Some)
+        };
+        match jitter {
+            Jitter::Centre | Jitter::Hash(_) | Jitter::SineHash => Ok(None),
+            Jitter::WhiteTile(seed) => make(&|| Ok(NoiseTile::white(seed))),
+            Jitter::BlueTile(seed) => make(&|| NoiseTile::blue(seed, control)),
         }
     }
 
@@ -55,6 +69,20 @@ impl NoiseTile {
             edge,
             values: ranks.iter().map(|&rank| rank as f32 / n).collect(),
         }
+    }
+}
+
+/// Key of the tile that a jitter reads.
+#[derive(Clone, PartialEq)]
+struct NoiseTileOf(Jitter);
+
+impl Key for NoiseTileOf {
+    type Value = NoiseTile;
+
+    const NAME: &str = "noise tiles";
+
+    fn bytes(&self, value: &NoiseTile) -> usize {
+        size_of_val(value.values())
     }
 }
 
@@ -132,7 +160,7 @@ impl Fullness {
 }
 
 /// The rank of each pixel.
-fn void_and_cluster(seed: u32) -> Vec<u32> {
+fn void_and_cluster(seed: u32, control: &Control) -> Result<Vec<u32>, Cancelled> {
     let mut pattern = Fullness::new();
     let first = BLUE_PIXELS / 10;
     for &at in &shuffled(BLUE_PIXELS as u32, seed)[..first] {
@@ -140,6 +168,7 @@ fn void_and_cluster(seed: u32) -> Vec<u32> {
     }
     // Moves pixels from clusters to voids until that changes nothing.
     loop {
+        control.check()?;
         let cluster = pattern.cluster();
         pattern.toggle(cluster);
         let void = pattern.void();
@@ -151,6 +180,7 @@ fn void_and_cluster(seed: u32) -> Vec<u32> {
     let mut ranks = vec![0; BLUE_PIXELS];
     let spread: Vec<usize> = (0..BLUE_PIXELS).filter(|&i| pattern.set[i]).collect();
     for rank in (0..first).rev() {
+        control.check()?;
         let cluster = pattern.cluster();
         ranks[cluster] = rank as u32;
         pattern.toggle(cluster);
@@ -160,16 +190,40 @@ fn void_and_cluster(seed: u32) -> Vec<u32> {
     }
     // Beyond half full, the void among the free is the cluster of what is free: the same pixel.
     for rank in first..BLUE_PIXELS {
+        control.check()?;
         let void = pattern.void();
         ranks[void] = rank as u32;
         pattern.toggle(void);
     }
-    ranks
+    Ok(ranks)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn blue(seed: u32) -> NoiseTile {
+        NoiseTile::blue(seed, &Control::NONE).unwrap()
+    }
+
+    #[test]
+    fn a_store_makes_each_tile_once() {
+        let (store, control) = (Store::default(), Control::NONE);
+        let find = |jitter| NoiseTile::find(jitter, &store, &control).unwrap();
+        for _ in 0..2 {
+            assert_eq!(*find(Jitter::BlueTile(1)).unwrap(), blue(1));
+            assert_eq!(*find(Jitter::WhiteTile(1)).unwrap(), NoiseTile::white(1));
+            assert!(find(Jitter::Hash(1)).is_none());
+        }
+        assert_eq!(store.counts().made, 2);
+    }
+
+    #[test]
+    fn making_a_tile_can_be_cancelled() {
+        let control = Control::new();
+        control.cancel();
+        assert!(NoiseTile::blue(0, &control).is_err());
+    }
 
     /// The share of a tile's energy below an eighth of its finest frequency.
     fn coarse_share(tile: &NoiseTile) -> f64 {
@@ -199,20 +253,20 @@ mod tests {
 
     #[test]
     fn every_rank_is_there_once() {
-        for tile in [NoiseTile::white(3), NoiseTile::blue(0)] {
+        for tile in [NoiseTile::white(3), blue(0)] {
             let mut sorted = tile.values().to_vec();
             sorted.sort_by(f32::total_cmp);
             let n = sorted.len() as f32;
             assert!(sorted.iter().enumerate().all(|(i, v)| *v == i as f32 / n));
         }
         assert_ne!(NoiseTile::white(3), NoiseTile::white(4));
-        assert_ne!(NoiseTile::blue(1), NoiseTile::blue(0));
+        assert_ne!(blue(1), blue(0));
     }
 
     #[test]
     fn blue_noise_has_no_coarse_grain() {
         // White noise has its energy everywhere: a disc of radius n/8 is π/64, some 5 %.
         assert!(coarse_share(&NoiseTile::white(0)) > 0.03);
-        assert!(coarse_share(&NoiseTile::blue(0)) < 0.004);
+        assert!(coarse_share(&blue(0)) < 0.004);
     }
 }

@@ -17,14 +17,13 @@ pub enum Jitters {
 }
 
 impl Jitters {
-    /// The jitter of `plan`.
-    pub fn new(plan: &Plan) -> Jitters {
-        match plan.lattice.jitter {
-            Jitter::Centre => Jitters::Centre,
-            Jitter::Hash(seed) => Jitters::Hash(seed),
-            Jitter::SineHash => Jitters::SineHash,
-            Jitter::WhiteTile(seed) => Jitters::Tile(NoiseTile::white(seed)),
-            Jitter::BlueTile(seed) => Jitters::Tile(NoiseTile::blue(seed)),
+    /// The jitter of `plan`, with the `tile` that it reads if it reads one.
+    pub fn new(plan: &Plan, tile: Option<&NoiseTile>) -> Jitters {
+        match (plan.lattice.jitter, tile) {
+            (_, Some(tile)) => Jitters::Tile(tile.clone()),
+            (Jitter::Hash(seed), None) => Jitters::Hash(seed),
+            (Jitter::SineHash, None) => Jitters::SineHash,
+            (Jitter::Centre | Jitter::WhiteTile(_) | Jitter::BlueTile(_), None) => Jitters::Centre,
         }
     }
 
