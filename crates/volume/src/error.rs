@@ -43,7 +43,7 @@ pub enum ErrorKind {
     Io(#[from] std::io::Error),
     /// No reader knows the first bytes of the file.
     #[error(
-        "not a volume that can be read: {why}. Known are NIfTI, NRRD, MetaImage, DICOM, TIFF, PNG slices, MGH, VTK, MRC, npy, npz, PVM, .dat and raw"
+        "not a volume that can be read: {why}. Known are NIfTI, NRRD, MetaImage, DICOM, TIFF, PNG, BMP and JPEG slices, MGH, VTK, MRC, npy, npz, PVM, .dat and raw"
     )]
     Unknown {
         /// What was looked at and found.

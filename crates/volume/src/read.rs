@@ -3,6 +3,7 @@
 mod base64;
 mod bit_fields;
 mod block;
+mod bmp;
 mod components;
 mod dat;
 mod data_files;
@@ -11,6 +12,8 @@ pub mod dicom;
 mod foreign;
 mod header_lines;
 mod input;
+#[cfg(feature = "dicom")]
+mod jpeg;
 mod loaded;
 pub mod mesh;
 mod metaimage;
@@ -147,7 +150,7 @@ fn read_kind(kind: Kind, input: &Input, options: &ReadOptions) -> Result<Loaded,
         Kind::Tiff => tiff::read(input, options),
         #[cfg(not(feature = "tiff"))]
         Kind::Tiff => Err(Error::not_built_in("TIFF", "tiff")),
-        Kind::Png => slices::read_one(input, options),
+        Kind::Png | Kind::Bmp | Kind::Jpeg => slices::read_one(kind, input, options),
         #[cfg(feature = "dicom")]
         Kind::Dicom => dicom::read_file(input, options),
         #[cfg(not(feature = "dicom"))]
@@ -180,7 +183,7 @@ fn left_open(kind: Kind) -> Option<(&'static str, &'static [Open])> {
         Kind::MetaImage => ("MetaImage", &[Open::Time, Open::Component]),
         Kind::Npy => ("npy", &[Open::Time, Open::Spacing]),
         Kind::Tiff => ("TIFF", &[Open::Time, Open::Spacing, Open::Component]),
-        Kind::Png => ("PNG", &[Open::Spacing, Open::Component]),
+        Kind::Png | Kind::Bmp | Kind::Jpeg => ("picture", &[Open::Spacing, Open::Component]),
         Kind::Dat => (".dat", &[Open::Endian, Open::Spacing]),
         Kind::Pvm => ("PVM", &[Open::Spacing]),
         Kind::Dicom => ("DICOM", DICOM_LEAVES_OPEN),
@@ -248,7 +251,7 @@ fn folder(name: &str, files: &dyn Files, options: &ReadOptions) -> Result<Loaded
             .map_err(|e| Error::from(e).in_file(&file))?;
         match content(&*bytes).map_err(|e| e.in_file(&file))? {
             Some(Kind::Dicom | Kind::MaybeDicom) => has_dicom = true,
-            Some(Kind::Tiff | Kind::Png) => pictures.push(file),
+            Some(Kind::Tiff | Kind::Png | Kind::Bmp | Kind::Jpeg) => pictures.push(file),
             _ => others.push(file),
         }
     }
@@ -272,7 +275,7 @@ fn folder(name: &str, files: &dyn Files, options: &ReadOptions) -> Result<Loaded
         return Err(Error::not_built_in("DICOM", "dicom"));
     }
     if !pictures.is_empty() {
-        options.check("TIFF or PNG", &[Open::Time, Open::Spacing, Open::Component])?;
+        options.check("picture", &[Open::Time, Open::Spacing, Open::Component])?;
         let mut loaded = match pictures.as_slice() {
             [only] => read_file(only, files, options)?,
             _ => slices::read_pictures(name, files, pictures, options)?,
@@ -283,7 +286,7 @@ fn folder(name: &str, files: &dyn Files, options: &ReadOptions) -> Result<Loaded
     let why = match others.len() {
         0 => no_files(&below),
         n => format!(
-            "the folder holds {n} files, none of them DICOM, TIFF or PNG; name a single file to read another format"
+            "the folder holds {n} files, none of them DICOM or a picture (TIFF, PNG, BMP, JPEG); name a single file to read another format"
         ),
     };
     Err(ErrorKind::Unknown { why }.into())

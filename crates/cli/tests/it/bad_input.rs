@@ -62,7 +62,7 @@ fn a_folder_without_a_volume() {
     let args = ["render", "notes", "-o", "out.png"];
     fails(folder.path(), &args, &["notes: the folder is empty"]);
     fs::write(folder.path().join("notes/today.txt"), "nothing new").unwrap();
-    let words = ["notes: ", "none of them DICOM, TIFF or PNG"];
+    let words = ["notes: ", "none of them DICOM or a picture"];
     fails(folder.path(), &args, &words);
 }
 

@@ -1,33 +1,55 @@
-//! Volumes from numbered TIFF or PNG slices: one picture per slice, in the order of the numbers in
+//! Volumes from numbered slices in TIFF, PNG, BMP or JPEG: one picture per slice, in the order of the numbers in
 //! their names (`slice9` before `slice10`), whatever zeros they are padded with.
 //!
 //! Row 0 of a picture is its top and lies at y = 0; see [`unoriented`] for what that is in the world.
 
 use super::sniff::{self, Kind};
-use super::{Files, Input, Loaded, ReadOptions, block, png, unoriented};
+use super::{Bytes, Files, Input, Loaded, ReadOptions, block, bmp, png, unoriented};
 use crate::cores;
 use crate::error::{Error, ErrorKind};
 use crate::{Metadata, Rescale, Samples, Volume};
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
-/// One PNG: a volume of one slice.
-pub(crate) fn read_one(input: &Input, options: &ReadOptions) -> Result<Loaded, Error> {
+/// One picture that is no TIFF: a volume of one slice.
+pub(crate) fn read_one(kind: Kind, input: &Input, options: &ReadOptions) -> Result<Loaded, Error> {
     let mut notes = Vec::new();
-    let picture = png::read(input.bytes, options, &mut notes)?;
-    let mut loaded = volume(input.name, "PNG", picture.into(), 1, options)?;
+    let picture = picture(kind, input.bytes, options, &mut notes)?;
+    let format = match kind {
+        Kind::Bmp => "BMP",
+        Kind::Jpeg => "JPEG",
+        _ => "PNG",
+    };
+    let mut loaded = volume(input.name, format, picture.into(), 1, options)?;
     loaded.notes.append(&mut notes);
     loaded.notes.push("one picture is read as one slice".into());
     Ok(loaded)
 }
 
+/// One picture that is no TIFF.
+fn picture(
+    kind: Kind,
+    bytes: &dyn Bytes,
+    options: &ReadOptions,
+    notes: &mut Vec<String>,
+) -> Result<png::Picture, Error> {
+    match kind {
+        Kind::Bmp => bmp::read(bytes, options, notes),
+        #[cfg(feature = "dicom")]
+        Kind::Jpeg => super::jpeg::read(bytes, options, notes),
+        #[cfg(not(feature = "dicom"))]
+        Kind::Jpeg => Err(Error::not_built_in("JPEG", "dicom")),
+        _ => png::read(bytes, options, notes),
+    }
+}
+
 /// The note that `others` beside the pictures of a folder were left out.
 pub(crate) fn note_of_others(others: &[String]) -> Option<String> {
-    let what = "left out what is no TIFF or PNG";
+    let what = "left out what is no picture";
     (!others.is_empty()).then(|| format!("{what}: {}", examples(others)))
 }
 
-/// The volume that the TIFF or PNG files `pictures` of a folder make.
+/// The volume that the pictures of a folder make.
 pub(crate) fn read_pictures(
     name: &str,
     files: &dyn Files,
@@ -110,8 +132,9 @@ fn slice(name: &str, files: &dyn Files, options: &ReadOptions) -> Result<Slice, 
         }
         #[cfg(not(feature = "tiff"))]
         Some(Kind::Tiff) => Err(Error::not_built_in("TIFF", "tiff")),
-        _ => {
-            let picture = png::read(&*bytes, options, &mut notes)?;
+        kind => {
+            let kind = kind.unwrap_or(Kind::Png);
+            let picture = picture(kind, &*bytes, options, &mut notes)?;
             Ok(Slice {
                 notes,
                 ..picture.into()

@@ -13,6 +13,8 @@
 //! | DICOM     | 0      | an element of group 0002 or 0008 (no preamble; weak: name decides) |
 //! | TIFF      | 0      | `II` 2A 00, `MM` 00 2A; BigTIFF `II` 2B 00, `MM` 00 2B             |
 //! | PNG       | 0      | 89 `PNG\r\n` 1A `\n`                                               |
+//! | BMP       | 0      | `BM`, and a known length of the header at 14                       |
+//! | JPEG      | 0      | FF D8 FF                                                           |
 //! | npy       | 0      | 93 `NUMPY`                                                         |
 //! | PVM       | 0      | `PVM\n`, `PVM2\n`, `PVM3\n`, `DDS v3d\n`, `DDS v3e\n`              |
 //! | .dat      | 0      | text, a key of the format with `:` in one of the first lines       |
@@ -45,6 +47,8 @@ pub(crate) enum Kind {
     MaybeDicom,
     Tiff,
     Png,
+    Bmp,
+    Jpeg,
     Npy,
     Pvm,
     Dat,
@@ -88,7 +92,6 @@ fn kind_of(head: &[u8]) -> Option<Kind> {
         axes.is_some_and(|&axes| (1..=7).contains(&number(axes)))
     };
 
-    let foreign = |what, instead| Some(Kind::Foreign(Foreign { what, instead }));
     if begins(&[0x1f, 0x8b]) {
         Some(Kind::Packed(Encoding::Gzip))
     } else if begins(b"BZh") {
@@ -126,7 +129,14 @@ fn kind_of(head: &[u8]) -> Option<Kind> {
     } else if begins(b"PK\x03\x04") {
         Some(Kind::Zip)
     } else if begins(b"\xff\xd8\xff") {
-        foreign("a JPEG picture", "use TIFF or PNG slices")
+        Some(Kind::Jpeg)
+    } else if begins(b"BM")
+        && matches!(
+            head.get(14..18),
+            Some([12 | 40 | 56 | 64 | 108 | 124, 0, 0, 0])
+        )
+    {
+        Some(Kind::Bmp)
     } else if begins(b"# vtk DataFile") {
         Some(Kind::Vtk)
     } else if head.windows(8).any(|word| word == b"<VTKFile") {

@@ -258,3 +258,78 @@ fn a_header_that_claims_much_costs_nothing() {
     let error = message(&[("a.png.gz", &gzip(&file))]);
     assert!(error.contains("the picture is cut off"), "{error}");
 }
+
+/// The header of a bitmap of 3×2 pixels, with its palette.
+fn bitmap(bits: u16, is_downward: bool, palette: &[[u8; 3]]) -> Vec<u8> {
+    let height = if is_downward { -2i32 } else { 2 };
+    let mut file = b"BM\0\0\0\0\0\0\0\0".to_vec();
+    file.extend((54 + 4 * palette.len() as u32).to_le_bytes());
+    file.extend(40u32.to_le_bytes());
+    file.extend(3i32.to_le_bytes());
+    file.extend(height.to_le_bytes());
+    file.extend(1u16.to_le_bytes());
+    file.extend(bits.to_le_bytes());
+    file.extend([0; 16]);
+    file.extend((palette.len() as u32).to_le_bytes());
+    file.extend([0; 4]);
+    file.extend(palette.iter().flat_map(|[r, g, b]| [*b, *g, *r, 0]));
+    file
+}
+
+#[test]
+fn bitmaps_are_slices() {
+    // Rows are filled up to 4 bytes.
+    let grey = [[0, 0, 0], [100, 100, 100], [7, 7, 7]];
+    let (first, second) = ([0, 1, 2, 0], [2, 2, 1, 0]);
+    let options = ReadOptions::default();
+    for (is_downward, rows) in [(false, [&second[..], &first]), (true, [&first, &second])] {
+        let mut file = bitmap(8, is_downward, &grey);
+        file.extend(rows.concat());
+        let loaded = read_with(&[("a.bmp", &file)], &options).unwrap();
+        assert_eq!(
+            *loaded.volume.samples(),
+            Samples::U8(vec![0, 100, 7, 7, 7, 100])
+        );
+        assert!(message(&[("a.bmp", &file[..70])]).contains("cut off"));
+    }
+    let mut file = bitmap(24, false, &[]);
+    file.extend([9, 9, 9, 9, 9, 9, 9, 9, 9, 0, 0, 0]);
+    file.extend([0, 0, 255, 0, 255, 0, 255, 0, 0, 0, 0, 0]);
+    let loaded = read_with(&[("a.bmp", &file)], &options).unwrap();
+    assert_eq!(
+        *loaded.volume.samples(),
+        Samples::U8(vec![54, 182, 18, 9, 9, 9])
+    );
+    file[30] = 1;
+    assert!(message(&[("a.bmp", &file)]).contains("compression 1"));
+}
+
+/// 8 × 8 samples of 16·x + 8·y, as libjpeg packs them with quality 90; it unpacks to the same within 1.
+const JPEG: &str = "ffd8ffdb0043000302020302020303030304030304050805050404050a070706080c0a0c0c0b0a0b0b0d0e1210\
+    0d0e110e0b0b1016101113141515150c0f171816141812141514ffc0000b080008000801011100ffc400140001\
+    00000000000000000000000000000007ffc4001a100000070000000000000000000000000000070823344151ff\
+    da0008010100003f000a4da5b456b287ffd9";
+
+#[cfg(feature = "dicom")]
+#[test]
+fn jpeg_pictures_are_slices() {
+    let file: Vec<u8> = (0..JPEG.len() / 2)
+        .map(|i| u8::from_str_radix(&JPEG[2 * i..2 * i + 2], 16).unwrap())
+        .collect();
+    let loaded = folder(&[("s1.jpg", file.clone()), ("s2.jpg", file.clone())]).unwrap();
+    assert_eq!(loaded.volume.grid().dims(), [8, 8, 2]);
+    for (x, y) in [(0, 0), (7, 0), (0, 7), (7, 7), (3, 4)] {
+        let value = loaded.volume.value(x, y, 1);
+        assert!(
+            (value - (16 * x + 8 * y) as f64).abs() <= 1.0,
+            "{value} at {x}, {y}"
+        );
+    }
+    assert!(
+        loaded
+            .notes
+            .iter()
+            .any(|note| note.contains("JPEG changes"))
+    );
+    assert!(message(&[("a.jpg", &file[..60])]).contains("JPEG"));
+}
