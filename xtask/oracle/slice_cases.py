@@ -94,5 +94,7 @@ def cases(folder):
     imageio.imwrite(uneven / "slice2.png", np.zeros((20, 31), "u1"))
     yield Case("slices/of two sizes", [uneven], refused="slice2.png")
     colour = folder / "colour.tif"
-    tifffile.imwrite(colour, np.zeros((5, 20, 30, 3), "u1"), photometric="rgb")
-    yield Case("tiff/colour", [colour], refused="colour")
+    pixels = samples("u1", (5, 20, 30, 3))
+    tifffile.imwrite(colour, pixels, photometric="rgb")
+    luminance = np.rint(pixels @ [0.2126, 0.7152, 0.0722]).astype("u1")
+    yield Case("tiff/colour", [colour], luminance, note="luminance")
