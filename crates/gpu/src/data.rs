@@ -100,9 +100,12 @@ impl Data {
             None => volume.sample_type(),
         };
         let storage = Storage::of(sample_type, device);
-        match VolumeTexture::is_paged(volume, self.most) {
-            true => storage.paged(),
-            false => storage,
+        if VolumeTexture::is_paged(volume, self.most) {
+            storage.paged()
+        } else if storage.is_filterable && !has_all_values(volume) {
+            storage.unfiltered()
+        } else {
+            storage
         }
     }
 
@@ -249,6 +252,19 @@ impl Data {
             .find(&ValuesOf(mask.id()), control, || mask.values_under(control))?;
         self.texture(device, &values, control).await
     }
+}
+
+/// Whether single precision has every voxel. Texture units may leave out what they give no weight, and so find
+/// numbers beside voxels that have none. Whoever resolved the Plan has counted those already.
+fn has_all_values(volume: &Volume) -> bool {
+    if volume.sample_type().is_integer() {
+        return true;
+    }
+    let (statistics, rescale) = (volume.statistics(), volume.rescale());
+    let stored = statistics
+        .range
+        .map(|value| (value - rescale.intercept) / rescale.slope);
+    statistics.not_finite == 0 && stored.iter().all(|n| n.abs() < f64::from(f32::MAX))
 }
 
 /// Whether the texture of a mask has its stored numbers: above a threshold is above it in the numbers of the texture

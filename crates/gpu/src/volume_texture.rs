@@ -43,6 +43,15 @@ impl Storage {
         self.format.block_copy_size(None).unwrap_or(4) as usize
     }
 
+    /// The same read texel by texel.
+    pub fn unfiltered(self) -> Storage {
+        Storage {
+            texels: Texels::UnfilterableFloat,
+            is_filterable: false,
+            ..self
+        }
+    }
+
     /// The same in an atlas, which no texture unit interpolates.
     pub fn paged(self) -> Storage {
         Storage {

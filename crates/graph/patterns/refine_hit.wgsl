@@ -28,5 +28,7 @@ fn refine_hit(lattice_point: f32) -> f32 {
 
 fn reached(lattice_point: f32) -> bool {
     let position = ray_position(lattice_point);
-    return reconstruct(position) >= params.threshold && !clip_sample(place_mm(position));
+    let value = reconstruct(position);
+    // What is infinite is no value, and reaches nothing.
+    return is_finite(value) && value >= params.threshold && !clip_sample(place_mm(position));
 }

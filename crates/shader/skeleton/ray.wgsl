@@ -146,7 +146,9 @@ fn table(value: f32) -> Surface {
     let last = f32(entries - 1u);
     let place = clamp((value - domain.x) * (last / (domain.y - domain.x)), 0.0, last);
     let index = min(u32(place), entries - 2u);
-    let entry = mix(table_entry(first + index), table_entry(first + index + 1u), place - f32(index));
+    // Not `mix`: between equal entries this is exactly that entry, so that constant opacities have no gradient.
+    let low = table_entry(first + index);
+    let entry = low + (place - f32(index)) * (table_entry(first + index + 1u) - low);
     // NaN has no place in the table; what is infinite is at one of its ends.
     let is_lost = is_nan(value);
     return Surface(select(entry.rgb, vec3f(0.0), is_lost), select(entry.a, 0.0, is_lost));

@@ -17,7 +17,9 @@ fn composite_start() -> State {
 
 fn reached(lattice_point: f32) -> bool {
     let position = ray_position(lattice_point);
-    return reconstruct(position) >= params.threshold && !clip_sample(place_mm(position));
+    let value = reconstruct(position);
+    // What is infinite is no value, and reaches nothing.
+    return is_finite(value) && value >= params.threshold && !clip_sample(place_mm(position));
 }
 
 fn composite_add(state: State, sample: Sample) -> State {

@@ -17,15 +17,20 @@ fn b_spline(position: vec3f) -> f32 {
     let high_weight = 1.0 - low_weight;
     let low = cell - 1.0 + w1 / low_weight;
     let high = cell + 1.0 + w3 / high_weight;
-    let near = mix(
-        mix(texel_linear(vec3f(high.x, high.y, low.z)), texel_linear(vec3f(low.x, high.y, low.z)), low_weight.x),
-        mix(texel_linear(vec3f(high.x, low.y, low.z)), texel_linear(vec3f(low.x, low.y, low.z)), low_weight.x),
-        low_weight.y,
+    let of_high = vec4f(
+        texel_linear(vec3f(high.x, high.y, high.z)),
+        texel_linear(vec3f(high.x, low.y, high.z)),
+        texel_linear(vec3f(high.x, high.y, low.z)),
+        texel_linear(vec3f(high.x, low.y, low.z)),
     );
-    let far = mix(
-        mix(texel_linear(vec3f(high.x, high.y, high.z)), texel_linear(vec3f(low.x, high.y, high.z)), low_weight.x),
-        mix(texel_linear(vec3f(high.x, low.y, high.z)), texel_linear(vec3f(low.x, low.y, high.z)), low_weight.x),
-        low_weight.y,
+    let of_low = vec4f(
+        texel_linear(vec3f(low.x, high.y, high.z)),
+        texel_linear(vec3f(low.x, low.y, high.z)),
+        texel_linear(vec3f(low.x, high.y, low.z)),
+        texel_linear(vec3f(low.x, low.y, low.z)),
     );
-    return mix(far, near, low_weight.z);
+    // Not `mix`: between equal numbers this is exactly that number, so that constant parts have no gradient.
+    let along_x = of_high + low_weight.x * (of_low - of_high);
+    let along_y = along_x.xz + low_weight.y * (along_x.yw - along_x.xz);
+    return along_y.x + low_weight.z * (along_y.y - along_y.x);
 }

@@ -12,12 +12,16 @@ fn weights(a: f32) -> vec4f {
 
 fn reconstruct(position: vec3f) -> f32 {
     let clamped = clamp(position, vec3f(0.0), vec3f(dims() - 1));
-    let cell = floor(clamped);
+    // The last cell ends at the last voxel, and holds it.
+    let cell = min(floor(clamped), vec3f(max(dims() - 2, vec3i(0))));
     let part = clamped - cell;
     let corner = vec3i(cell) - 1;
     let across_x = weights(part.x);
     let across_y = weights(part.y);
     let across_z = weights(part.z);
+    // Added up are differences from the first voxel, so that of equal numbers nothing is left but that number:
+    // constant parts have no gradient.
+    var first = 0.0;
     var sum = 0.0;
     for (var z = 0; z < 4; z++) {
         for (var y = 0; y < 4; y++) {
@@ -28,8 +32,11 @@ fn reconstruct(position: vec3f) -> f32 {
                 fetch(row + vec3i(2, 0, 0)),
                 fetch(row + vec3i(3, 0, 0)),
             );
-            sum += across_z[z] * across_y[y] * dot(across_x, values);
+            if y == 0 && z == 0 {
+                first = values.x;
+            }
+            sum += across_z[z] * across_y[y] * dot(across_x, values - first);
         }
     }
-    return sum;
+    return first + sum;
 }
