@@ -5,7 +5,7 @@
 //! - [`closed_form`]: answers that are known as formulas.
 //! - [`scenes`] and [`golden`]: scenes that every renderer draws, with pictures that a person has looked at.
 //! - [`agreement`]: how alike two pictures of the same scene are; [`gallery`]: a scene per variant of every step.
-//! - [`renderers`]: the list of renderers that all tests go through.
+//! - [`renderers`]: the list of renderers that all tests go through; [`twins`]: how far functions may be off in programs.
 //!
 //! A picture, and how far it is from the truth:
 //!
@@ -17,11 +17,12 @@
 //! let volume = Phantom::Shells.volume([16; 3])?;
 //! let scene = Scene { size: Some([8, 6]), ..Scene::default() };
 //! let plan = resolve(&scene, &volume.header(), None)?;
-//! let bounds = truth::bounds(&plan, &truth::Voxels::new(&volume, plan.field().reconstruct));
+//! let field = truth::Voxels::new(&volume, plan.field().reconstruct);
 //! for renderer in renderers() {
-//!     let image = (renderer.draw)(&volume, &plan);
+//!     let image = renderer.draw(&volume, &plan);
+//!     let bounds = renderer.bounds(&plan, &field);
 //!     for (pixel, bounds) in image.pixels().iter().zip(&bounds) {
-//!         assert!(bounds.distance(*pixel) <= 2.0 * renderer.tolerance);
+//!         assert!(bounds.distance(*pixel) <= 2.0 * renderer.tolerance(&plan));
 //!     }
 //! }
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -36,5 +37,6 @@ pub mod golden;
 mod renderers;
 pub mod scenes;
 pub mod truth;
+pub mod twins;
 
-pub use renderers::{Renderer, renderers};
+pub use renderers::{Renderer, device, renderers};

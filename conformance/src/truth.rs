@@ -9,31 +9,51 @@
 //! intervals through classification, light and composite, and where rounding may decide a question
 //! either way (is this sample inside the box, has the threshold been reached, may the ray end), both
 //! answers are in the interval. So no tolerance has to be guessed, and pixels on an edge need no
-//! exception.
+//! exception. [`bounds_of_programs`] gives the same for renderers that find the rays themselves in single precision.
 
 mod field;
 mod range;
+mod set_up;
 mod surface;
 
 pub use field::{Field, Formula, Voxels};
 pub use range::{Bounds, Range};
 
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
+use set_up::SetUp;
 use strahl_scene::plan::{
     Classify, ClipShape, Composite, Compositing, Fetch, GradientInput, GradientMethod, Illuminate,
-    Jitter, Plan, PlanLight, Projection, Reconstruct, Sampling, Shade,
+    Jitter, Plan, PlanLight, Projection, Reconstruct, SampleClip, Sampling, Shade,
 };
 use surface::{Lighting, classify, illuminate, opacity_of_length};
 
 /// The picture of `plan`, row by row from the top: linear, premultiplied RGBA.
 pub fn picture(plan: &Plan, field: &dyn Field) -> Vec<[f64; 4]> {
-    let pixels = pixels(plan, field, false);
+    let pixels = pixels(plan, field, Numbers::Exact);
     pixels.into_iter().map(Bounds::middle).collect()
 }
 
-/// What single precision may make of each pixel of `plan`.
+/// What a renderer may make of each pixel of `plan` that finds its rays in double precision, and works in single
+/// precision along them.
 pub fn bounds(plan: &Plan, field: &dyn Field) -> Vec<Bounds> {
-    pixels(plan, field, true)
+    pixels(plan, field, Numbers::SingleAlongRays)
+}
+
+/// What a renderer may make of each pixel of `plan` that works in single precision throughout, camera and maps
+/// included. Where that says nothing of the ray, the bounds are [`Bounds::ANYTHING`].
+pub fn bounds_of_programs(plan: &Plan, field: &dyn Field) -> Vec<Bounds> {
+    pixels(plan, field, Numbers::Single)
+}
+
+/// In which numbers a picture is computed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Numbers {
+    /// As many digits as are needed.
+    Exact,
+    /// Rays are exact; what happens along them is rounded to f32.
+    SingleAlongRays,
+    /// f32.
+    Single,
 }
 
 /// Whether the truth has everything that `plan` asks for. What it does not have is compared between
@@ -80,13 +100,13 @@ pub fn covers(plan: &Plan) -> bool {
         && plan.compositing == Compositing::Linear
 }
 
-fn pixels(plan: &Plan, field: &dyn Field, rounded: bool) -> Vec<Bounds> {
+fn pixels(plan: &Plan, field: &dyn Field, numbers: Numbers) -> Vec<Bounds> {
     assert!(covers(plan), "the truth does not cover this plan");
     let mut pixels = Vec::new();
     for y in 0..plan.height {
         for x in 0..plan.width {
-            let line = Line::new(plan, field, rounded, x, y);
-            pixels.push(line.pixel());
+            let line = Line::new(plan, field, numbers, x, y);
+            pixels.push(line.map_or(Bounds::ANYTHING, |line| line.pixel()));
         }
     }
     pixels
@@ -167,29 +187,49 @@ struct Line<'p> {
     jitter: f64,
     /// How far single precision may move a place, in voxels along each axis.
     shift: DVec3,
+    /// How far it may move the end, seen from the entry.
+    length_doubt_mm: f64,
+    /// Whether places are turned to world space in single precision on the way to a clip.
+    has_single_maps: bool,
 }
 
 impl<'p> Line<'p> {
-    fn new(plan: &'p Plan, field: &'p dyn Field, rounded: bool, x: u32, y: u32) -> Line<'p> {
+    /// `None` if `numbers` say nothing of it.
+    fn new(
+        plan: &'p Plan,
+        field: &'p dyn Field,
+        numbers: Numbers,
+        x: u32,
+        y: u32,
+    ) -> Option<Line<'p>> {
         let (origin, direction) = ray(plan, x, y);
         let [t_entry, t_exit] = seen(plan, origin, direction);
         let dims = plan.field().grid.dims().map(|n| n as f64);
-        Line {
+        // Entry, step, product and sum round once each, the lattice coordinate once more.
+        let along = (DVec3::from_array(dims) + 1.0) * 3.0 * f64::from(f32::EPSILON);
+        // Ends of the ray come from f64 arithmetic on lengths of this size.
+        let length = origin.length() + t_exit.abs().min(1e12) + plan.lattice.step_mm;
+        let (shift, length_doubt_mm) = match numbers {
+            Numbers::Exact => (DVec3::ZERO, 0.0),
+            Numbers::SingleAlongRays => (along, 1e-12 * length),
+            Numbers::Single => {
+                let SetUp { place, length_mm } = SetUp::new(plan, origin, direction)?;
+                (along + place, length_mm + 1e-12 * length)
+            }
+        };
+        Some(Line {
             plan,
             field,
-            rounded,
+            rounded: numbers != Numbers::Exact,
             origin,
             direction,
             t_entry,
             t_exit,
             jitter: jitter(plan.lattice.jitter, x, y),
-            // Entry, step, product and sum round once each, the lattice coordinate once more.
-            shift: if rounded {
-                (DVec3::from_array(dims) + 1.0) * 3.0 * f64::from(f32::EPSILON)
-            } else {
-                DVec3::ZERO
-            },
-        }
+            shift,
+            length_doubt_mm,
+            has_single_maps: numbers == Numbers::Single,
+        })
     }
 
     /// Lattice coordinate → voxel space.
@@ -217,10 +257,23 @@ impl<'p> Line<'p> {
         };
         look(self.field.value(place));
         if self.rounded {
-            for corner in 0..8 {
-                let sign = |axis: usize| if corner >> axis & 1 == 1 { 1.0 } else { -1.0 };
-                let shift = self.shift * DVec3::new(sign(0), sign(1), sign(2));
-                look(self.field.value(place + shift));
+            // Between two cells also the voxel plane that parts them: there lies the kink of an interpolation.
+            let [xs, ys, zs] = [0, 1, 2].map(|axis| {
+                let (low, high) = (
+                    place[axis] - self.shift[axis],
+                    place[axis] + self.shift[axis],
+                );
+                let plane = high.floor();
+                [low, high]
+                    .into_iter()
+                    .chain((low < plane).then_some(plane))
+            });
+            for z in zs {
+                for y in ys.clone() {
+                    for x in xs.clone() {
+                        look(self.field.value(DVec3::new(x, y, z)));
+                    }
+                }
             }
         }
         Value {
@@ -260,7 +313,9 @@ impl<'p> Line<'p> {
                 let row = map.matrix3.row(axis).abs();
                 let doubt = if self.rounded {
                     let size = row.dot(place.abs()) + map.translation[axis].abs();
-                    row.dot(self.shift) + 4.0 * f64::from(f32::EPSILON) * (size + 0.5)
+                    row.dot(self.shift)
+                        + 4.0 * f64::from(f32::EPSILON) * (size + 0.5)
+                        + self.doubt_by_maps(clip, axis, place)
                 } else {
                     0.0
                 };
@@ -276,20 +331,30 @@ impl<'p> Line<'p> {
         kept
     }
 
+    /// What two maps in single precision, voxel space → world → the shape of a clip, add to the doubt in a
+    /// coordinate of the shape. Both have four rounded products each, of which the second cancel.
+    fn doubt_by_maps(&self, clip: &SampleClip, axis: usize, place: DVec3) -> f64 {
+        if !self.has_single_maps {
+            return 0.0;
+        }
+        let to_world = self.plan.field().grid.world_from_voxel();
+        let to_unit = clip.unit_from_world;
+        let row = |map: &DAffine3, axis: usize| map.matrix3.row(axis).abs();
+        let sizes =
+            [0, 1, 2].map(|a| row(&to_world, a).dot(place.abs()) + to_world.translation[a].abs());
+        let row = row(&to_unit, axis);
+        let size = row.dot(DVec3::from_array(sizes)) + to_unit.translation[axis].abs();
+        12.0 * 0.5 * f64::from(f32::EPSILON) * size
+    }
+
     fn samples(&self) -> Vec<Sample> {
         let step = self.plan.lattice.step_mm;
-        // Ends of the ray come from f64 arithmetic on lengths of this size.
-        let doubt = if self.rounded {
-            1e-12 * (self.origin.length() + self.t_exit.abs().min(1e12) + step)
-        } else {
-            0.0
-        };
         let mut samples = Vec::new();
         for k in 0u32.. {
             let s = f64::from(k) + self.jitter;
             let t = self.t_entry + s * step;
             // t < t_exit.
-            let before_exit = match Answer::not_negative(t - self.t_exit, doubt) {
+            let before_exit = match Answer::not_negative(t - self.t_exit, self.length_doubt_mm) {
                 Answer::Yes => break,
                 Answer::Maybe => Answer::Maybe,
                 Answer::No => Answer::Yes,

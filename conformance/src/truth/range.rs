@@ -64,6 +64,14 @@ impl Range {
 pub struct Bounds(pub [Range; 4]);
 
 impl Bounds {
+    /// Every colour.
+    pub const ANYTHING: Bounds = Bounds(
+        [Range {
+            lo: f64::NEG_INFINITY,
+            hi: f64::INFINITY,
+        }; 4],
+    );
+
     /// One colour.
     pub fn exactly(rgba: [f64; 4]) -> Bounds {
         Bounds(rgba.map(Range::exactly))

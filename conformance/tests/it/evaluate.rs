@@ -1,12 +1,12 @@
 //! Linked programs without a graphics processor: the same scenes, the same pictures as from the twins.
 
-use crate::gpu::device;
 use crate::random::{Random, seeds};
 use crate::simple::{cut_box, of_samples, parallel, white};
 use crate::variants::{any_variant, change_all, pair, ramp, two, wall};
 use glam::{DAffine3, DMat3, DVec3};
 use std::sync::Arc;
 use strahl_conformance::agreement::agreement;
+use strahl_conformance::device;
 use strahl_conformance::gallery::{gallery, scene};
 use strahl_conformance::scenes::{SCENES, prepare};
 use strahl_evaluate::Evaluator;
@@ -208,8 +208,9 @@ fn random_plans_look_the_same() {
             .unwrap();
         let d = agreement(&cpu, &here.image);
         drawn += 1;
-        // Transfer functions one entry wide, edges of boxes and nearest voxels: single samples flip.
-        if d.far > 0.02 {
+        // Transfer functions one entry wide, edges of boxes and nearest voxels: single samples flip, and halvings of
+        // a hit. That is at most three of the 143 pixels.
+        if d.far > 0.025 {
             failed.push(format!(
                 "seed {seed}: {d:?} {:?} {:?} {:?} {:?} {:?} {:?}",
                 plan.technique().composite,

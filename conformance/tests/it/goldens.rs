@@ -14,7 +14,7 @@ fn every_scene_looks_like_its_golden_picture() {
     for (name, text) in SCENES {
         let (volume, plan) = prepare(name, text).unwrap_or_else(|error| panic!("{name}: {error}"));
         for renderer in renderers() {
-            let actual = Golden::of(&(renderer.draw)(&volume, &plan));
+            let actual = Golden::of(&renderer.draw(&volume, &plan));
             let path = golden::path(name);
             if remake {
                 actual.write(&path).unwrap();
@@ -54,12 +54,12 @@ fn every_scene_lies_within_the_bounds_of_the_truth() {
         // Brute force over every sample: fewer rays do.
         (plan.width, plan.height) = (plan.width / 4, plan.height / 4);
         let field = truth::Voxels::new(&volume, plan.field().reconstruct);
-        let bounds = truth::bounds(&plan, &field);
         for renderer in renderers() {
-            let image = (renderer.draw)(&volume, &plan);
+            let image = renderer.draw(&volume, &plan);
+            let bounds = renderer.bounds(&plan, &field);
             for (i, (pixel, bounds)) in image.pixels().iter().zip(&bounds).enumerate() {
                 let outside = bounds.distance(*pixel);
-                let allowed = 2.0 * renderer.tolerance;
+                let allowed = 2.0 * renderer.tolerance(&plan);
                 assert!(
                     outside <= allowed,
                     "{}, {name}, pixel {i}: {outside}",
@@ -86,7 +86,7 @@ fn a_picture_of_another_camera_is_noticed() {
     let plan = resolve(&turned, &volume.header(), None).unwrap();
     let expected = Golden::read(&golden::path(name)).unwrap();
     for renderer in renderers() {
-        let actual = Golden::of(&(renderer.draw)(&volume, &plan));
+        let actual = Golden::of(&renderer.draw(&volume, &plan));
         assert!(actual.difference(&expected).is_some(), "{}", renderer.name);
     }
 }

@@ -6,28 +6,15 @@ use crate::random::{Random, seeds};
 use crate::simple::{cut_box, of_samples, parallel};
 use crate::variants::{any_variant, blobs, change_all, pair, ramp, two, wall};
 use glam::{DAffine3, DMat3, DVec3};
-use std::sync::OnceLock;
 use strahl_conformance::agreement::agreement;
+use strahl_conformance::device;
 use strahl_conformance::gallery::{gallery, scene};
 use strahl_conformance::scenes::{SCENES as SCENES_WITH_GOLDENS, prepare};
-use strahl_gpu::{Device, Renderer};
+use strahl_gpu::Renderer;
 use strahl_scene::plan::*;
 use strahl_scene::{Image, Scene, resolve};
 use strahl_volume::phantom::Phantom;
 use strahl_volume::{Control, Datasets, Grid, Metadata, Rescale, Samples, Volume};
-
-pub fn device() -> Option<&'static Device> {
-    static DEVICE: OnceLock<Option<Device>> = OnceLock::new();
-    let open = || match Device::open(None) {
-        Ok(device) => Some(device),
-        Err(error) if std::env::var("CI").is_ok_and(|ci| ci == "true") => panic!("{error}"),
-        Err(error) => {
-            println!("skipped: {error}");
-            None
-        }
-    };
-    DEVICE.get_or_init(open).as_ref()
-}
 
 /// Draws on both; `None` without an adapter.
 fn both(volume: &Volume, scene: &str) -> Option<(Image, Image)> {

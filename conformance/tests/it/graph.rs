@@ -1,11 +1,11 @@
 //! Shader graphs: what settings say and what their graph says is one picture.
 
-use crate::gpu::device;
 use crate::random::{Random, seeds};
 use crate::simple::cut_box;
 use crate::variants::{any_variant, change_all, pair, ramp, two, wall};
 use glam::{DAffine3, DVec3};
 use strahl_conformance::agreement::agreement;
+use strahl_conformance::device;
 use strahl_conformance::gallery::{gallery, scene};
 use strahl_evaluate::Evaluator;
 use strahl_gpu::Renderer;

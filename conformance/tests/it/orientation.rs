@@ -71,7 +71,7 @@ fn pictures(volume: &Volume, view: Option<View>) -> Vec<Image> {
         ..Scene::default()
     };
     let plan = resolve(&scene, &volume.header(), None).unwrap();
-    let draw = |renderer: strahl_conformance::Renderer| (renderer.draw)(volume, &plan);
+    let draw = |renderer: strahl_conformance::Renderer| renderer.draw(volume, &plan);
     renderers().into_iter().map(draw).collect()
 }
 

@@ -5,6 +5,7 @@
 
 use crate::simple;
 use glam::{DAffine3, DMat3, DQuat, DVec3, EulerRot, Vec3Swizzles};
+use strahl_conformance::{Renderer, renderers};
 use strahl_scene::plan::*;
 use strahl_scene::transfer::TransferTable;
 use strahl_volume::{Grid, Metadata, Rescale, Sample, SampleType, Samples, Volume};
@@ -13,6 +14,13 @@ use strahl_volume::{Grid, Metadata, Rescale, Sample, SampleType, Samples, Volume
 pub fn seeds(usual: u64) -> std::ops::Range<u64> {
     let cases = std::env::var("STRAHL_CONFORMANCE_CASES").ok();
     0..cases.map_or(usual, |n| n.parse().expect("a number of cases"))
+}
+
+/// The renderers that draw the scene of a seed.
+pub fn renderers_of(seed: u64) -> Vec<Renderer> {
+    let mut all = renderers();
+    all.retain(|renderer| seed.is_multiple_of(renderer.one_in));
+    all
 }
 
 /// G. Steele's SplitMix64.

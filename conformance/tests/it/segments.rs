@@ -1,6 +1,5 @@
 //! Segments of label volumes, each drawn by a technique of its own.
 
-use crate::gpu::device;
 use crate::random::{Random, seeds};
 use crate::simple::{blinn_phong, centred, cut_box, of_samples, parallel, plan, white};
 use crate::techniques::{any_technique, light, linked};
@@ -9,6 +8,7 @@ use glam::{DAffine3, DMat3, DVec3};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use strahl_conformance::agreement::agreement;
+use strahl_conformance::device;
 use strahl_evaluate::Evaluator;
 use strahl_scene::plan::*;
 use strahl_shader::Linker;
@@ -258,10 +258,6 @@ pub fn any_segments(random: &mut Random) -> (Volume, LabelVolume, Plan) {
         })
         .collect();
     for technique in &mut plan.techniques {
-        // The opacity of a table of one color has no gradient, and what rounding makes of that differs.
-        if technique.table.entries().len() == 2 {
-            technique.gradient_input = GradientInput::Value;
-        }
         // Such a projection has no surface.
         let has_none = [Composite::Minip, Composite::Average];
         if has_none.contains(&technique.composite) {

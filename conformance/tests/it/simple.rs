@@ -1,7 +1,7 @@
 //! Plain volumes and Plans, for tests that change one thing of them.
 
 use glam::{DAffine3, DMat3, DVec3};
-use strahl_conformance::renderers;
+use strahl_conformance::{Renderer, renderers};
 use strahl_scene::Image;
 use strahl_scene::plan::*;
 use strahl_scene::transfer::TransferTable;
@@ -187,14 +187,23 @@ pub fn one_sample_at(plan: &mut Plan, distance_mm: f64) {
     ];
 }
 
-/// Every pixel of every renderer: name, column, row, colour.
-pub fn draw(volume: &Volume, plan: &Plan) -> Vec<(&'static str, u32, u32, [f32; 4])> {
+/// Every pixel of every renderer that can draw it: name, column, row, colour.
+pub fn draw(volume: &Volume, plan: &Plan) -> Vec<(Renderer, u32, u32, [f32; 4])> {
+    draw_by(&renderers(), volume, plan)
+}
+
+/// The same of these renderers.
+pub fn draw_by(
+    renderers: &[Renderer],
+    volume: &Volume,
+    plan: &Plan,
+) -> Vec<(Renderer, u32, u32, [f32; 4])> {
     let mut pixels = Vec::new();
-    for renderer in renderers() {
-        let image: Image = (renderer.draw)(volume, plan);
+    for renderer in renderers.iter().filter(|r| r.can_draw(volume, plan)) {
+        let image: Image = renderer.draw(volume, plan);
         for y in 0..plan.height {
             for x in 0..plan.width {
-                pixels.push((renderer.name, x, y, image.pixel(x, y)));
+                pixels.push((*renderer, x, y, image.pixel(x, y)));
             }
         }
     }

@@ -1,12 +1,12 @@
 //! Layers that are drawn by techniques of their own.
 
-use crate::gpu::device;
 use crate::graph::twice;
 use crate::random::{Random, seeds};
 use crate::simple::{blinn_phong, white};
 use crate::variants::{change_all, distance, draw, pair, ramp, two};
 use std::sync::Arc;
 use strahl_conformance::agreement::agreement;
+use strahl_conformance::device;
 use strahl_evaluate::Evaluator;
 use strahl_program::{Functions, loop_of};
 use strahl_scene::plan::*;

@@ -4,83 +4,19 @@
 //! Each pixel is one call: parallel rays through a volume of noise, cut to one sample each, with random
 //! parameters. A composite gets some samples per ray, or it would have nothing to do.
 
-use crate::gpu::device;
 use crate::parameters::random_values;
 use crate::random::{Random, seeds};
 use crate::simple::{centred, cut_box, of_samples, one_sample_at, parallel, plan, plane};
 use crate::variants::wall;
 use glam::{DAffine3, DMat3, DVec3};
+use strahl_conformance::device;
+use strahl_conformance::twins::{EXCEPTIONS, HARDWARE_WEIGHTS, alike_of};
 use strahl_gpu::Renderer;
 use strahl_scene::Rendered;
 use strahl_scene::plan::*;
 use strahl_scene::transfer::TransferTable;
 use strahl_shader::registry::{FUNCTIONS, Function};
 use strahl_volume::{Control, Datasets, Mesh, Samples, Volume};
-
-/// How alike the two forms of a function have to be.
-#[derive(Clone, Copy)]
-struct Alike {
-    /// Largest difference of a linear channel, where 1 is white.
-    tolerance: f32,
-    /// Share of the pixels that may be off by more, because a decision falls the other way.
-    flips: f64,
-}
-
-const fn alike(tolerance: f32, flips: f64) -> Alike {
-    Alike { tolerance, flips }
-}
-
-/// Arithmetic in single precision, in another order.
-const ROUNDING: f32 = 1e-5;
-/// The same of values from 0 to 255, whose digits differences use up.
-const CANCELLED: f32 = 3e-5;
-/// Normals: where a gradient is small, its rounding turns them; highlights and mirrors enlarge that.
-const TURNED: f32 = 1e-3;
-/// Texture units of hardware have weights of 8 bits, up to 1/512 off in each axis, of the whole range of
-/// values; those of software adapters are exact. A gradient has them twice.
-const HARDWARE_WEIGHTS: f32 = 6.0 / 512.0;
-
-/// How alike the functions of a slot are unless [`EXCEPTIONS`] has the function.
-fn of_slot(slot: &str) -> Alike {
-    match slot {
-        // A sample that lies on a face is on either side of it.
-        "clip_ray" | "clip_sample" => alike(ROUNDING, 0.005),
-        // Opacity by value: what is nearly transparent is divided by little.
-        "classify" | "gradient_input" | "gradient" => alike(CANCELLED, 0.0),
-        "light" | "illuminate" | "shade" => alike(TURNED, 0.002),
-        _ => alike(ROUNDING, 0.0),
-    }
-}
-
-const EXCEPTIONS: &[(&str, Alike)] = &[
-    // Triangles are drawn on one, and met by rays on the other: edges.
-    ("clip_ray/depth", alike(ROUNDING, 0.01)),
-    // The sine of a large number, whose last bits the shift is made of.
-    ("jitter/sine_hash", alike(3e-3, 0.02)),
-    // Half way between two voxels.
-    ("reconstruct/nearest", alike(ROUNDING, 0.005)),
-    // A value at the threshold is on either side of it.
-    ("classify/threshold", alike(CANCELLED, 0.005)),
-    ("shade/gradient_opacity", alike(CANCELLED, 0.0)),
-    ("composite/mida", alike(CANCELLED, 0.0)),
-    // Whether the value crosses the threshold, and where.
-    ("composite/first_hit", alike(CANCELLED, 0.005)),
-    ("composite/gmip", alike(CANCELLED, 0.0)),
-    // The first sample that is seen.
-    ("composite/depth", alike(CANCELLED, 0.005)),
-    ("composite/gradient_magnitude", alike(CANCELLED, 0.005)),
-    ("composite/normal", alike(TURNED, 0.005)),
-    // In values per mm, up to 255, not from 0 to 1.
-    ("composite/gradient_raw", alike(TURNED, 0.005)),
-    // A sample more or less where the ray leaves.
-    ("composite/sample_count", alike(ROUNDING, 0.005)),
-];
-
-fn alike_of(function: &Function) -> Alike {
-    let name = format!("{}/{}", function.slot, function.name);
-    let found = EXCEPTIONS.iter().find(|(of, _)| *of == name);
-    found.map_or(of_slot(function.slot), |(_, alike)| *alike)
-}
 
 /// What a call is made with.
 struct Case {
@@ -355,7 +291,7 @@ fn twins_give_the_same_from_the_same_numbers() {
     let mut wrong = Vec::new();
     for of in FUNCTIONS.iter().filter(|f| f.has_text) {
         let Function { slot, name, .. } = of;
-        let twin = alike_of(of);
+        let twin = alike_of(of.slot, of.name);
         let (mut most, mut off, mut all, mut seen) = (0.0f32, 0usize, 0usize, 0usize);
         for seed in seeds(3) {
             let mut random = Random::new(seed ^ 0x7315);

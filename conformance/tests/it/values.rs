@@ -1,13 +1,15 @@
 //! Values, gradients, projections and hits of fields that are known everywhere.
 
-use crate::random::{Random, seeds};
-use crate::simple::{self, centred, draw, grey, grids, one_sample_at, parallel, plan, value_shown};
+use crate::random::{Random, renderers_of, seeds};
+use crate::simple::{
+    self, centred, draw, draw_by, grey, grids, one_sample_at, parallel, plan, value_shown,
+};
 use glam::{DMat3, DVec3};
 use strahl_conformance::{closed_form, truth};
-use strahl_scene::plan::{Composite, Plan, PlanLight, Reconstruct};
+use strahl_scene::plan::{Composite, GradientInput, Plan, PlanLight, Reconstruct};
 use strahl_scene::transfer::TransferTable;
 use strahl_volume::phantom::Phantom;
-use strahl_volume::{Samples, Volume};
+use strahl_volume::{Metadata, Rescale, Samples, Volume};
 
 /// Where the one sample of a pixel lies after [`one_sample_at`].
 fn place(plan: &Plan, x: u32, y: u32, distance_mm: f64) -> DVec3 {
@@ -340,11 +342,106 @@ fn peeled_layers_are_those_of_the_samples_one_by_one() {
         };
         let expected = peeled(&entries, layer, opaque_above, clear_below);
         layers_seen[layer as usize] += usize::from(expected[3] > 0.0);
-        for (name, _, _, pixel) in draw(&ramp, &plan) {
+        for (name, _, _, pixel) in draw_by(&renderers_of(seed), &ramp, &plan) {
             let is_near = |(&a, &b): (&f32, &f64)| (f64::from(a) - b).abs() < 1e-5;
             let close = pixel.iter().zip(&expected).all(is_near);
             assert!(close, "{name}, seed {seed}: {pixel:?}, not {expected:?}");
         }
     }
     assert!(layers_seen.iter().all(|&n| n >= 10), "{layers_seen:?}");
+}
+
+const RECONSTRUCTIONS: [Reconstruct; 4] = [
+    Reconstruct::Nearest,
+    Reconstruct::Trilinear,
+    Reconstruct::BSpline,
+    Reconstruct::CatmullRom,
+];
+
+/// A column of six voxels along y, with 1 in all but those that `without` names.
+fn column(without: impl Fn(usize) -> bool, instead: f32) -> Volume {
+    let grid = centred([3, 6, 3], DMat3::IDENTITY);
+    let value = |i: usize| if without(i / 3 % 6) { instead } else { 1.0 };
+    simple::of_samples(grid, Samples::F32((0..54).map(value).collect()))
+}
+
+#[test]
+fn what_is_infinite_reaches_no_threshold() {
+    // The bracket that is halved begins where nothing has a value.
+    let column = column(|y| y < 2, f32::INFINITY);
+    for reconstruct in RECONSTRUCTIONS {
+        let view = parallel(DVec3::new(0.1, 1.0, 0.05), 9.0, 0.5);
+        let mut plan = plan(&column, view, grey(0.0, 2.0));
+        plan.lattice.step_mm = 1.7;
+        plan.field_mut().reconstruct = reconstruct;
+        plan.technique_mut().composite = Composite::FirstHit { threshold: 0.5 };
+        for (name, x, y, pixel) in draw(&column, &plan) {
+            let found = value_shown(pixel, 0.0, 2.0);
+            assert!(
+                pixel[3] == 1.0 && (found - 1.0).abs() < 1e-5,
+                "{name}, {reconstruct:?}, column {x}, row {y}: {found}"
+            );
+        }
+    }
+}
+
+#[test]
+fn the_half_voxel_behind_the_last_belongs_to_the_last_cell() {
+    // At 5.3 voxels: between 4 and 5, so that a cubic asks for 3 to 6.
+    for (reconstruct, first_asked) in RECONSTRUCTIONS.into_iter().zip([5, 4, 3, 3]) {
+        let (nan, infinite) = (f32::NAN, f32::INFINITY);
+        let cases = [
+            (first_asked - 1, nan),
+            (first_asked, nan),
+            (first_asked, infinite),
+        ];
+        for (lost, instead) in cases {
+            let column = column(|y| y == lost, instead);
+            let mut plan = plan(&column, parallel(DVec3::Y, 9.0, 0.5), opaque_white());
+            plan.field_mut().reconstruct = reconstruct;
+            one_sample_at(&mut plan, 2.8);
+            let expected = f32::from(u8::from(lost < first_asked));
+            for (name, x, y, pixel) in draw(&column, &plan) {
+                assert_eq!(
+                    pixel[3], expected,
+                    "{name}, {reconstruct:?}, {instead} at {lost}, column {x}, row {y}"
+                );
+            }
+        }
+    }
+}
+
+/// That a surface of `volume` is white, as without light, though lit it would be darker.
+fn is_unlit(what: &str, volume: &Volume, mut plan: Plan) {
+    plan.technique_mut().shade = simple::blinn_phong(0.2, 0.7, 0.0, 1.0);
+    for (name, x, y, pixel) in draw(volume, &plan) {
+        assert_eq!(pixel, [1.0; 4], "{name}, {what}, column {x}, row {y}");
+    }
+}
+
+#[test]
+fn constant_parts_have_no_normal() {
+    // From places whose parts of a voxel have no short binary fractions, at samples that lie anywhere.
+    let view = simple::from_eye(parallel(DVec3::new(0.3, 0.9, -0.2), 30.0, 1.0), 0.05);
+    let grid = centred([7; 3], DMat3::from_diagonal(DVec3::new(0.9, 1.1, 0.7)));
+    let surface = |volume: &Volume, table| {
+        let mut plan = plan(volume, view, table);
+        plan.technique_mut().composite = Composite::FirstHit { threshold: -1e6 };
+        plan
+    };
+    let samples = Samples::U8(vec![0; 343]);
+    let rescale = Rescale::new(-0.86, -333.2);
+    let zero = Volume::new(grid, samples, rescale, Metadata::default()).unwrap();
+    for reconstruct in RECONSTRUCTIONS {
+        let mut plan = surface(&zero, opaque_white());
+        plan.field_mut().reconstruct = reconstruct;
+        is_unlit(&format!("{reconstruct:?}"), &zero, plan);
+    }
+    let third = simple::volume(grid, |_| 1.0 / 3.0);
+    is_unlit("1/3", &third, surface(&third, opaque_white()));
+    // An opacity that does not change with the value.
+    let ramp = simple::volume(grid, |p| 0.5 + 0.1 * p.y);
+    let mut plan = surface(&ramp, simple::white(1.0 / 3.0, 1.0));
+    plan.technique_mut().gradient_input = GradientInput::Opacity;
+    is_unlit("opacity 1/3", &ramp, plan);
 }

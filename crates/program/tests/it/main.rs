@@ -1,0 +1,3 @@
+//! What a Plan becomes for a program.
+
+mod parameter_blocks;
