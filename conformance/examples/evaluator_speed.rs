@@ -1,4 +1,4 @@
-//! How fast the evaluator is beside the twins of the processor's own loop: the same scenes, in turns.
+//! How fast the evaluator is beside the twins of the CPU's own loop: the same scenes, in turns.
 //!
 //!     cargo run --release -p strahl-conformance --example evaluator_speed
 

@@ -19,7 +19,7 @@ const DIMS: [usize; 3] = [72, 90, 114];
 const HEAD: &str = "# Gallery
 
 One picture per variant of every step of the ray: the phantom `anatomy` of 72 × 90 × 114 voxels, each scene as small
-as it can be. `cargo xtask gallery` draws it anew, on the processor, and on the graphics adapter beside it: *alike* is the peak signal to
+as it can be. `cargo xtask gallery` draws it anew, on the CPU, and on the graphics adapter beside it: *alike* is the peak signal to
 noise ratio between both in dB, *off* the number of pixels with a channel off by more than 8/255, and of those outside
 silhouettes.
 

@@ -93,7 +93,7 @@ fn functions(plan: &Plan) -> Option<Vec<(&'static str, String)>> {
     Some(SLOTS.iter().flat_map(named).collect())
 }
 
-/// Every renderer that is tested; that of the graphics processor where there is an adapter. A new one is one more
+/// Every renderer that is tested; that of the GPU where there is an adapter. A new one is one more
 /// line.
 pub fn renderers() -> Vec<Renderer> {
     let mut all = vec![

@@ -1,6 +1,6 @@
 //! How far the ray of a pixel may be off that is found in single precision.
 //!
-//! The processor finds rays in double precision: only the places on them are rounded. A linked program has camera,
+//! The CPU finds rays in double precision: only the places on them are rounded. A linked program has camera,
 //! maps and clip planes as f32, and computes with f32. Each number is then off by a few half ulps of the largest
 //! numbers on the way to it, which cancel: a ray that starts 500 voxels from the volume, or from where its grid has the
 //! world's origin, is off by some 1e-4 voxels wherever it goes. For every operation, and for every number that

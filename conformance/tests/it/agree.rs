@@ -49,7 +49,7 @@ struct Seen {
     worst: f64,
 }
 
-/// The processor draws every random scene, the evaluator one in five and the graphics processor one in 20, those
+/// The CPU draws every random scene, the evaluator one in five and the GPU one in 20, those
 /// that they can draw.
 #[test]
 fn every_pixel_of_a_random_scene_lies_within_its_bounds() {

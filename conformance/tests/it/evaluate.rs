@@ -1,4 +1,4 @@
-//! Linked programs without a graphics processor: the same scenes, the same pictures as from the twins.
+//! Linked programs without a GPU: the same scenes, the same pictures as from the twins.
 
 use crate::random::{Random, seeds};
 use crate::simple::{cut_box, of_samples, parallel, white};
@@ -432,7 +432,7 @@ fn programs_refuse_rules_of_sampling_by_name() {
         assert!(
             message
                 .as_ref()
-                .is_some_and(|m| m.contains(&name) && m.contains("the processor's own loop")),
+                .is_some_and(|m| m.contains(&name) && m.contains("the CPU's own loop")),
             "{name}: {message:?}"
         );
         let message = strahl_graph::standard(&plan)

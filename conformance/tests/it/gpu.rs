@@ -1,4 +1,4 @@
-//! The graphics processor beside the processor: the same scenes, the same pictures.
+//! The GPU beside the CPU: the same scenes, the same pictures.
 //!
 //! Without an adapter the tests say that they are skipped; with `CI=true` that is a failure.
 
@@ -301,7 +301,7 @@ fn a_volume_beyond_the_largest_texture_looks_the_same() {
     let refused = Renderer::with_largest_texture(device, &blob, 32).render(&plan, &Control::NONE);
     let message = refused.map(|_| ()).unwrap_err().to_string();
     assert!(
-        message.contains("[150, 40, 70]") && message.contains("draw on the processor"),
+        message.contains("[150, 40, 70]") && message.contains("draw on the CPU"),
         "{message}"
     );
 }

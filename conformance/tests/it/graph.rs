@@ -17,7 +17,7 @@ use strahl_scene::{Image, Scene, resolve};
 use strahl_volume::phantom::Phantom;
 use strahl_volume::{Control, Datasets, Samples};
 
-/// Draws `graph` on the graphics processor.
+/// Draws `graph` on the GPU.
 fn on_gpu(data: impl Into<Datasets>, plan: &Plan, graph: &Graph) -> Option<Image> {
     let mut renderer = Renderer::new(device()?, data);
     let functions = renderer.functions(plan).unwrap();

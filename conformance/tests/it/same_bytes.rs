@@ -1,4 +1,4 @@
-//! Threads, tiles, skipping and instruction sets change no byte of a picture that the processor draws.
+//! Threads, tiles, skipping and instruction sets change no byte of a picture that the CPU draws.
 
 use crate::random::{Random, seeds};
 use crate::simple;
@@ -54,7 +54,7 @@ fn check(what: &str, data: impl Into<Datasets>, plan: &Plan, ways: &[(usize, u32
     let renderer = Renderer::new(data);
     let (expected, plain) = draw(&renderer, &without_own_loop(plan), &plainly());
     let mut skipped = 0.0;
-    // Every set that this processor has, in turns.
+    // Every set that this CPU has, in turns.
     let sets = InstructionSet::ALL.into_iter().filter(|set| set.is_there());
     for (&(threads, tile, skip), set) in ways.iter().zip(sets.cycle()) {
         let options = Options {

@@ -1,4 +1,4 @@
-//! Every function of the library, alone: its WGSL on an adapter beside its Rust on the processor, from
+//! Every function of the library, alone: its WGSL on an adapter beside its Rust on the CPU, from
 //! the same random numbers.
 //!
 //! Each pixel is one call: parallel rays through a volume of noise, cut to one sample each, with random

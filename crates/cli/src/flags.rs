@@ -311,7 +311,7 @@ pub struct PictureFlags {
     pub depth: bool,
 
     /// Also write the stages of the picture into this folder, as stage-1.png and so on: soon a coarse one, in the end
-    /// the picture (on the processor only)
+    /// the picture (on the CPU only)
     #[arg(long, value_name = "FOLDER")]
     pub stages: Option<PathBuf>,
 
@@ -319,8 +319,7 @@ pub struct PictureFlags {
     #[arg(long, value_name = "N")]
     pub threads: Option<usize>,
 
-    /// Which renderer draws: the graphics processor if there is one, the processor, or the graphics
-    /// processor or nothing
+    /// Which renderer draws: `auto` takes the GPU if there is one, `gpu` the GPU or nothing
     #[arg(long, value_name = "BACKEND", default_value = "cpu")]
     pub backend: BackendName,
 
@@ -574,7 +573,7 @@ pub struct ShaderCheckFlags {
     pub files: Vec<PathBuf>,
 }
 
-/// Print the program that draws a scene on a graphics processor, with a comment per function
+/// Print the program that draws a scene on a GPU, with a comment per function
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   strahl shader wgsl scene.json

@@ -24,7 +24,7 @@ pub enum Kernel {
     Classify,
 }
 
-/// The instructions that `STRAHL_SIMD` says, or the fastest that the processor has.
+/// The instructions that `STRAHL_SIMD` says, or the fastest that the CPU has.
 ///
 /// # Errors
 /// It names none that there is.

@@ -26,7 +26,7 @@ impl InstructionSet {
         InstructionSet::Portable,
     ];
 
-    /// The fastest that this processor has.
+    /// The fastest that this CPU has.
     pub fn fastest() -> InstructionSet {
         InstructionSet::ALL
             .into_iter()
@@ -37,7 +37,7 @@ impl InstructionSet {
     /// What the environment variable `STRAHL_SIMD` says; without it, the fastest.
     ///
     /// # Errors
-    /// It says something else than the name of a set that this processor has.
+    /// It says something else than the name of a set that this CPU has.
     pub(crate) fn from_environment() -> Result<InstructionSet, Error> {
         let Some(value) = std::env::var_os("STRAHL_SIMD") else {
             return Ok(InstructionSet::fastest());
@@ -48,7 +48,7 @@ impl InstructionSet {
         })
     }
 
-    /// Whether this processor has it.
+    /// Whether this CPU has it.
     pub fn is_there(self) -> bool {
         match self {
             #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
@@ -86,13 +86,13 @@ impl fmt::Display for InstructionSet {
 
 /// An instruction set as a type, which the ray loop is compiled for.
 ///
-/// Lanes of a level are made only below [`dispatch`], which has found that the processor has it.
+/// Lanes of a level are made only below [`dispatch`], which has found that the CPU has it.
 pub trait Level: Simd + Send + Sync {
     /// Whether loops and reconstruction are compiled for each of the usual types of sample. Without gathers they take
     /// as long as those for any type, and longer to compile than all else here.
     const HAS_LOOPS_PER_TYPE: bool;
 
-    /// The proof that the processor has the level.
+    /// The proof that the CPU has the level.
     fn proof() -> Self;
 
     /// `a` where it is less than `b`, else `b`: also where either is NaN.
@@ -269,7 +269,7 @@ pub trait Task {
     fn run<S: Level>(self) -> Self::Output;
 }
 
-/// Does `task` with the instructions of `set`, which the processor has; with the portable ones if not.
+/// Does `task` with the instructions of `set`, which the CPU has; with the portable ones if not.
 pub fn dispatch<T: Task>(set: InstructionSet, task: T) -> T::Output {
     let set = if set.is_there() {
         set
@@ -323,7 +323,7 @@ mod tests {
     fn numbers_of_a_packet_are_picked_by_five_bits() {
         for set in InstructionSet::ALL {
             if !set.is_there() {
-                println!("skipped: this processor has no {set}");
+                println!("skipped: this CPU has no {set}");
                 continue;
             }
             for shift in [0, 3, 31, 32, 1 << 20, -5] {

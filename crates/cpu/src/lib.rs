@@ -1,4 +1,4 @@
-//! Draws a Plan on the processor.
+//! Draws a Plan on the CPU.
 //!
 //! [`Renderer::render`] draws Plans of a volume; what it makes of the volume for that (min/max bricks) it
 //! keeps. A picture has the same bytes whatever the number of threads, the size of tiles and the SIMD

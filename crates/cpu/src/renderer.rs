@@ -62,7 +62,7 @@ impl Renderer {
     /// Draws `plan`, under `control`.
     ///
     /// # Errors
-    /// If the Plan belongs to other data or names a function that the processor does not have, its step
+    /// If the Plan belongs to other data or names a function that the CPU does not have, its step
     /// is too short for f32 to count the samples of a ray, an option is not allowed, threads cannot be
     /// started, or `control` was cancelled.
     pub fn render(

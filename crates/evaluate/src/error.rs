@@ -7,9 +7,7 @@ use strahl_volume::Cancelled;
 #[non_exhaustive]
 pub enum Error {
     /// The program does something that the evaluator does not.
-    #[error(
-        "the evaluator has no {what}, which function {function} uses; draw on a graphics processor"
-    )]
+    #[error("the evaluator has no {what}, which function {function} uses; draw on a GPU")]
     NotCovered {
         /// What it is.
         what: String,

@@ -1,10 +1,10 @@
-//! Runs linked programs without a graphics processor.
+//! Runs linked programs without a GPU.
 //!
 //! A [`Program`] is WGSL, checked by naga. Here naga's expressions and statements
 //! are compiled to operations on registers of [`LANES`] numbers, one per pixel of a block, with masks for
 //! what each pixel has decided; so every program draws anywhere, whoever wrote it: the linker from settings,
-//! a user in a module, a graph. It is the renderer for what has no twin on the processor, and the witness for
-//! what a graphics processor draws: interpolation is exact, and the bytes are the same on any number of threads.
+//! a user in a module, a graph. It is the renderer for what has no twin on the CPU, and the witness for
+//! what a GPU draws: interpolation is exact, and the bytes are the same on any number of threads.
 //!
 //! ```
 //! use strahl_evaluate::Evaluator;

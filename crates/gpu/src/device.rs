@@ -15,7 +15,7 @@ pub struct Adapter {
     pub backend: String,
     /// The driver.
     pub driver: String,
-    /// Whether it is a program on the processor.
+    /// Whether it is a program on the CPU.
     pub is_software: bool,
 }
 

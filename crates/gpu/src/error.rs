@@ -8,7 +8,7 @@ use strahl_volume::Cancelled;
 pub enum Error {
     /// No adapter at all.
     #[error(
-        "no graphics adapter was found; install its driver (on Debian and Ubuntu, mesa-vulkan-drivers brings one that needs no graphics card), or draw on the processor"
+        "no graphics adapter was found; install its driver (on Debian and Ubuntu, mesa-vulkan-drivers brings one that needs no graphics card), or draw on the CPU"
     )]
     NoAdapter,
     /// No adapter of the name asked for.
@@ -28,14 +28,14 @@ pub enum Error {
         why: String,
     },
     /// The device went away: a reset, a removed card, a driver that was updated.
-    #[error("the graphics device was lost: {0}; open it again, or draw on the processor")]
+    #[error("the graphics device was lost: {0}; open it again, or draw on the CPU")]
     Lost(String),
     /// The driver refused something.
     #[error("the graphics driver refused: {0}")]
     Driver(String),
     /// The volume does not fit into a texture, nor do its pages.
     #[error(
-        "the volume has {dims:?} voxels, and more that differ than the graphics adapter has room for (textures of {most} along an axis, {most_bytes} bytes); draw on the processor, or a coarser level of it"
+        "the volume has {dims:?} voxels, and more that differ than the graphics adapter has room for (textures of {most} along an axis, {most_bytes} bytes); draw on the CPU, or a coarser level of it"
     )]
     TooLarge {
         /// Of the volume.
@@ -47,7 +47,7 @@ pub enum Error {
     },
     /// A mesh does not fit into a buffer.
     #[error(
-        "the mesh has {triangles} triangles, the graphics adapter takes at most {most}; draw on the processor"
+        "the mesh has {triangles} triangles, the graphics adapter takes at most {most}; draw on the CPU"
     )]
     MeshTooLarge {
         /// Of the mesh.
@@ -57,7 +57,7 @@ pub enum Error {
     },
     /// A mask is larger than a texture.
     #[error(
-        "the mask has {dims:?} voxels, the graphics adapter takes at most {most} along an axis; draw on the processor"
+        "the mask has {dims:?} voxels, the graphics adapter takes at most {most} along an axis; draw on the CPU"
     )]
     MaskTooLarge {
         /// Of the mask.
@@ -67,7 +67,7 @@ pub enum Error {
     },
     /// A label volume is larger than a texture.
     #[error(
-        "the label volume has {dims:?} voxels, the graphics adapter takes at most {most} along an axis; draw on the processor"
+        "the label volume has {dims:?} voxels, the graphics adapter takes at most {most} along an axis; draw on the CPU"
     )]
     LabelsTooLarge {
         /// Of the label volume.
@@ -83,7 +83,7 @@ pub enum Error {
     Slicing(#[from] strahl_program::SlicingError),
     /// The adapter does not blend 32-bit floats.
     #[error(
-        "the graphics adapter {adapter} cannot blend numbers of 32 bit, which slices need (16 bit lose what many thin slices add up to); draw on the processor, or by a graph with a loop along the ray"
+        "the graphics adapter {adapter} cannot blend numbers of 32 bit, which slices need (16 bit lose what many thin slices add up to); draw on the CPU, or by a graph with a loop along the ray"
     )]
     NoBlending {
         /// Its name.

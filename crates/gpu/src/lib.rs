@@ -1,6 +1,6 @@
-//! Draws a Plan on the graphics processor, through wgpu.
+//! Draws a Plan on the GPU, through wgpu.
 //!
-//! The same ray loop as on the processor, linked from the same functions ([`strahl_shader`]), runs in
+//! The same ray loop as on the CPU, linked from the same functions ([`strahl_shader`]), runs in
 //! the fragment stage, in strips small enough that no driver loses patience. It needs no window.
 //!
 //! ```

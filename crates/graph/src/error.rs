@@ -63,9 +63,9 @@ pub enum Error {
         /// Never empty.
         problems: Vec<Problem>,
     },
-    /// A rule of sampling that only the processor's own ray loop has.
+    /// A rule of sampling that only the CPU's own ray loop has.
     #[error(
-        "a graph takes one sample at every lattice point, and sampling.rule is {rule:?}; draw without a graph and by the processor's own loop, or with rule \"regular\""
+        "a graph takes one sample at every lattice point, and sampling.rule is {rule:?}; draw without a graph and by the CPU's own loop, or with rule \"regular\""
     )]
     Sampling {
         /// The rule.

@@ -4,7 +4,7 @@
 //! Slice n is the plane of all points that lie n steps in front of the eye (or of the picture's plane, if the
 //! projection is orthographic), measured along the view axis. A program computes what each pixel sees of a
 //! slice; how that joins what is there already is the [`Blend`], which fixed-function hardware does on a
-//! graphics processor, and [`Blend::blended`] elsewhere.
+//! GPU, and [`Blend::blended`] elsewhere.
 
 use strahl_scene::plan::{Field, Plan, Projection};
 

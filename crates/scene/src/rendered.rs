@@ -17,7 +17,7 @@ pub struct Rendered {
 /// What a picture has cost. A renderer that does not do a thing spends 0 seconds on it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Stats {
-    /// Threads that drew; 0 on a graphics processor.
+    /// Threads that drew; 0 on a GPU.
     pub threads: usize,
     /// Making bricks of the volumes; nothing where they were known.
     pub bricks_seconds: f64,

@@ -176,7 +176,7 @@ impl JsonSchema for TransferPoint {
 const LARGEST_VALUE: f64 = 1e30;
 /// A table of 65,536 entries takes 1 MiB; more would be slower to look up than to compute.
 const MOST_ENTRIES: usize = 1 << 16;
-/// With fewer entries than this (64 KiB, at home in a processor's second cache) nothing is saved.
+/// With fewer entries than this (64 KiB, at home in a CPU's second cache) nothing is saved.
 const FEWEST_ENTRIES: usize = 1 << 12;
 
 /// [`TransferFunction`] with everything said that it stands on.

@@ -72,9 +72,9 @@ pub enum Error {
         /// How many a technique holds.
         most: usize,
     },
-    /// A rule of sampling that only the processor's own ray loop has.
+    /// A rule of sampling that only the CPU's own ray loop has.
     #[error(
-        "the ray loop of shader programs takes one sample at every lattice point, and sampling.rule is {rule:?}; draw without a graph and by the processor's own loop, or with rule \"regular\""
+        "the ray loop of shader programs takes one sample at every lattice point, and sampling.rule is {rule:?}; draw without a graph and by the CPU's own loop, or with rule \"regular\""
     )]
     Sampling {
         /// The rule.

@@ -11,14 +11,14 @@ use strahl_volume::{Control, Datasets};
 /// Which renderer draws.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum Backend {
-    /// The graphics processor if there is one, else the processor, with a note that says why. An
-    /// adapter that is itself a program on the processor does not count: ours is faster.
+    /// The GPU if there is one, else the CPU, with a note that says why. An
+    /// adapter that is itself a program on the CPU does not count: ours is faster.
     Auto,
-    /// The processor: the same bytes on every machine. Functions of files, which have no twin there, are
+    /// The CPU: the same bytes on every machine. Functions of files, which have no twin there, are
     /// evaluated, with a note that says so.
     #[default]
     Cpu,
-    /// The graphics processor, or an error.
+    /// The GPU, or an error.
     Gpu {
         /// Part of the adapter's name; the best one if not said.
         adapter: Option<String>,
@@ -28,11 +28,11 @@ pub enum Backend {
 /// Which renderer has drawn a picture.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum DrawnBy {
-    /// The processor's own ray loop.
+    /// The CPU's own ray loop.
     Cpu,
-    /// The processor, by the program that a graphics processor would run.
+    /// The CPU, by the program that a GPU would run.
     Evaluator,
-    /// The graphics processor.
+    /// The GPU.
     Gpu {
         /// The adapter.
         adapter: String,
@@ -71,7 +71,7 @@ pub(crate) fn draw(
         Backend::Gpu { adapter } => on_gpu(session, adapter.as_deref(), wanted, control),
         Backend::Auto => {
             let why = match hardware(session) {
-                None => "there is no graphics processor".to_owned(),
+                None => "there is no GPU".to_owned(),
                 adapter => match on_gpu(session, adapter, wanted, control) {
                     Ok(drawn) => return Ok(drawn),
                     // What is wrong with a graph is wrong everywhere.
@@ -125,7 +125,7 @@ fn on_cpu(
     }
 }
 
-/// By the program that a graphics processor would run.
+/// By the program that a GPU would run.
 #[cfg(feature = "graph")]
 fn evaluated(
     session: &Session,

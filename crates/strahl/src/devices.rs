@@ -72,7 +72,7 @@ impl Devices {
         }
     }
 
-    /// The best adapter that is no program on the processor, if there is one: ours is faster.
+    /// The best adapter that is no program on the CPU, if there is one: ours is faster.
     pub fn hardware(&self) -> Option<&str> {
         let best = || {
             let found = adapters().into_iter().find(|a| !a.is_software);

@@ -62,18 +62,16 @@ pub enum Error {
         /// `a graph` or `a shader function`.
         what: &'static str,
     },
-    /// No picture was drawn by its program on the processor.
+    /// No picture was drawn by its program on the CPU.
     #[cfg(feature = "graph")]
     #[error(transparent)]
     Evaluate(strahl_evaluate::Error),
-    /// No picture was drawn on the graphics processor.
+    /// No picture was drawn on the GPU.
     #[cfg(feature = "gpu")]
     #[error(transparent)]
     Gpu(strahl_gpu::Error),
-    /// The graphics processor is asked for in a build without it.
-    #[error(
-        "drawing on the graphics processor is not part of this build; build with the feature `gpu`"
-    )]
+    /// The GPU is asked for in a build without it.
+    #[error("drawing on the GPU is not part of this build; build with the feature `gpu`")]
     NoGpu,
     /// No volume is named, by the scene (of this file, if it comes from one) or beside it.
     #[error(
@@ -85,9 +83,7 @@ pub enum Error {
         scene: Option<PathBuf>,
     },
     /// Stages are asked for, and the renderer (or the graph) draws pictures as a whole.
-    #[error(
-        "pictures in stages are drawn by the processor's own ray loop only, and not by a graph"
-    )]
+    #[error("pictures in stages are drawn by the CPU's own ray loop only, and not by a graph")]
     NoStages,
     /// A scene with a graph is to be drawn into a texture.
     #[error("a scene with a graph is not drawn into a texture; draw it into memory")]

@@ -81,12 +81,12 @@ pub use show_stage::ShowStage;
 
 /// Vectors and matrices of the interfaces.
 pub use glam;
-/// The renderer on the processor.
+/// The renderer on the CPU.
 pub use strahl_cpu as cpu;
-/// Linked programs without a graphics processor.
+/// Linked programs without a GPU.
 #[cfg(feature = "graph")]
 pub use strahl_evaluate as evaluate;
-/// The renderer on the graphics processor.
+/// The renderer on the GPU.
 #[cfg(feature = "gpu")]
 pub use strahl_gpu as gpu;
 /// Graphs: rays programmed by wiring typed nodes.

@@ -8,14 +8,14 @@ use std::fmt;
 pub enum Note {
     /// What a reader assumed or left out, or what is odd about a graph.
     Data(String),
-    /// [`Backend::Auto`](crate::Backend) has drawn on the processor.
+    /// [`Backend::Auto`](crate::Backend) has drawn on the CPU.
     NoGraphics {
-        /// Why the graphics processor has not.
+        /// Why the GPU has not.
         why: String,
     },
-    /// The program of a graph was evaluated on the processor.
+    /// The program of a graph was evaluated on the CPU.
     GraphEvaluated,
-    /// The program of a function that has no form for the processor was evaluated there.
+    /// The program of a function that has no form for the CPU was evaluated there.
     FunctionEvaluated {
         /// Its name.
         function: String,
@@ -26,13 +26,13 @@ impl fmt::Display for Note {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Note::Data(text) => f.write_str(text),
-            Note::NoGraphics { why } => write!(f, "drawn on the processor: {why}"),
+            Note::NoGraphics { why } => write!(f, "drawn on the CPU: {why}"),
             Note::GraphEvaluated => {
-                f.write_str("the graph was evaluated on the processor, which is exact but slow")
+                f.write_str("the graph was evaluated on the CPU, which is exact but slow")
             }
             Note::FunctionEvaluated { function } => write!(
                 f,
-                "the function {function} has no form for the processor: its program was evaluated there, which is exact but slow"
+                "the function {function} has no form for the CPU: its program was evaluated there, which is exact but slow"
             ),
         }
     }

@@ -238,7 +238,7 @@ impl<'a> Render<'a> {
         self
     }
 
-    /// Draws with this renderer instead of the processor's.
+    /// Draws with this renderer instead of the CPU's.
     pub fn backend(mut self, backend: Backend) -> Render<'a> {
         self.backend = backend;
         self
@@ -251,7 +251,7 @@ impl<'a> Render<'a> {
     }
 
     /// Draws in stages, each of which `show` gets with what a file of it needs: soon a coarse picture, in the end the
-    /// finished one. It has the same bytes as without. Of the processor's renderer only
+    /// finished one. It has the same bytes as without. Of the CPU's renderer only
     /// ([`strahl_cpu::Renderer::refine`]): others refuse it.
     pub fn in_stages(mut self, show: ShowStage<'a>) -> Render<'a> {
         self.show = Some(show);
@@ -488,7 +488,7 @@ impl Deref for SessionUsed<'_> {
 }
 
 impl Session {
-    /// Draws `scene` under `control`, on the processor; [`Render::in_session`] is the same with everything that can be
+    /// Draws `scene` under `control`, on the CPU; [`Render::in_session`] is the same with everything that can be
     /// said. The scene's paths count from the current folder.
     ///
     /// # Errors

@@ -81,7 +81,7 @@ impl Session {
         }
     }
 
-    /// Draws on `device` wherever a picture asks for a graphics processor and names none: on that of a window, say.
+    /// Draws on `device` wherever a picture asks for a GPU and names none: on that of a window, say.
     #[cfg(feature = "gpu")]
     pub fn on_device(mut self, device: strahl_gpu::Device) -> Session {
         self.devices.give(device);

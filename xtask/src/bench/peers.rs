@@ -73,7 +73,7 @@ pub fn run(root: &Path, arguments: &Arguments) -> Result<bool> {
             body += &times;
         }
     }
-    let title = "The processor beside VTK";
+    let title = "The CPU beside VTK";
     publish(root, "peers", title, &body, arguments.write)?;
     Ok(true)
 }

@@ -55,7 +55,7 @@ fn what_cannot_be_chosen_is_refused() {
     let unknown = call(&["--backend", "gpu", "--adapter", "no such adapter"]);
     assert_eq!(unknown.code, Some(1));
     assert_eq!(names(folder.path()), ["shells.nrrd"]);
-    // It always draws, and says so where it is not on a graphics processor.
+    // It always draws, and says so where it is not on a GPU.
     let auto = call(&["--backend", "auto"]);
     assert_eq!(auto.code, Some(0), "{}", auto.err);
 }

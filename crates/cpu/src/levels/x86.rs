@@ -87,7 +87,7 @@ impl Level for Avx512 {
     unsafe fn words(self, bytes: &[u8], offsets: i32x16<Self>) -> u32x16<Self> {
         debug_assert!(offsets.iter().all(|&o| o as usize + 4 <= bytes.len()));
         let offsets: __m512i = offsets.into();
-        // SAFETY: the processor has the instruction, as `self` proves; every word lies inside
+        // SAFETY: the CPU has the instruction, as `self` proves; every word lies inside
         // `bytes`, as the caller promises.
         let words = unsafe { _mm512_i32gather_epi32::<1>(offsets, bytes.as_ptr().cast()) };
         words.simd_into(self)
@@ -96,7 +96,7 @@ impl Level for Avx512 {
     #[inline(always)]
     fn picked(self, packet: &[f32; 32], indices: i32x16<Self>) -> f32x16<Self> {
         let from = packet.as_ptr();
-        // SAFETY: the processor has the instructions, as `self` proves, and a packet is two vectors.
+        // SAFETY: the CPU has the instructions, as `self` proves, and a packet is two vectors.
         let numbers = unsafe {
             let [a, b] = [_mm512_loadu_ps(from), _mm512_loadu_ps(from.add(16))];
             _mm512_permutex2var_ps(a, indices.into(), b)
@@ -108,7 +108,7 @@ impl Level for Avx512 {
     fn to_rows(self, columns: [f32x16<Self>; 4]) -> [[f32; 4]; 16] {
         let [a, b, c, d] = columns;
         let mut rows = [[0.0; 4]; 16];
-        // SAFETY: the processor has the instructions, as `self` proves, and 16 rows are four vectors.
+        // SAFETY: the CPU has the instructions, as `self` proves, and 16 rows are four vectors.
         unsafe {
             let [a, b, c, d] = transposed_512!([a.into(), b.into(), c.into(), d.into()]);
             // Block q of vector j is the row of lane 4q + j.
@@ -133,7 +133,7 @@ impl Level for Avx512 {
     unsafe fn row_pairs(self, rows: &[[f32; 4]], indices: i32x16<Self>) -> [[f32x16<Self>; 4]; 2] {
         debug_assert!(indices.iter().all(|&i| (i as usize) + 1 < rows.len()));
         let indices = in_memory(indices);
-        // SAFETY: the processor has the instructions, as `self` proves; every row and the one behind it
+        // SAFETY: the CPU has the instructions, as `self` proves; every row and the one behind it
         // exist, as the caller promises.
         unsafe {
             let pair =

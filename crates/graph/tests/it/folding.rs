@@ -47,7 +47,7 @@ fn functions_with_branches_and_structs_are_computed() {
 
 #[test]
 fn what_is_no_number_stays_in_the_program() {
-    // 1 / 0 and the root of -1 are what the processor makes of them.
+    // 1 / 0 and the root of -1 are what the CPU makes of them.
     let nodes = r#""a": { "pattern": "mean", "inputs": { "sum": 1, "number": 0 } }"#;
     assert!(march_of(nodes, "a").contains("node_mean("));
     let nodes =

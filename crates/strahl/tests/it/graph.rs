@@ -72,7 +72,7 @@ fn every_example_is_one_picture_on_all_backends() {
         );
         seen += 1;
         if !has_gpu() {
-            println!("{name}: skipped on the graphics processor: no adapter");
+            println!("{name}: skipped on the GPU: no adapter");
             continue;
         }
         let there = drawn(&scene, Backend::Gpu { adapter: None });
