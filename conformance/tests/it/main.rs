@@ -10,6 +10,7 @@ mod graph;
 mod metamorphic;
 mod orientation;
 mod parameters;
+mod plans_by_hand;
 mod random;
 mod same_bytes;
 mod segments;

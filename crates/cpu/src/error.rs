@@ -57,6 +57,14 @@ pub enum Error {
         /// Those of the states.
         states: [usize; 3],
     },
+    /// There is no room for the picture.
+    #[error("no memory for {bytes} bytes of {what}; make the picture smaller")]
+    NoMemory {
+        /// `the picture` or `its rays`.
+        what: &'static str,
+        /// As many are needed.
+        bytes: u64,
+    },
     /// The option `tile` is 0.
     #[error("tile is 0; allowed: 1 and above")]
     NoTile,

@@ -64,7 +64,7 @@ mod tiles;
 pub use error::Error;
 pub use levels::InstructionSet;
 pub use options::Options;
-pub use pools::{Pool, Pools};
+pub use pools::{MOST_THREADS, Pool, Pools};
 pub use ray_state::RayState;
 pub use ray_states::RayStates;
 pub use refine::Stage;

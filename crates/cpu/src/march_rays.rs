@@ -6,8 +6,9 @@ use crate::march;
 use crate::options::Options;
 use crate::prepared::Prepared;
 use crate::raster::Raster;
+use crate::ray_state::RayState;
 use crate::ray_states::RayStates;
-use crate::renderer::{Renderer, stats_of};
+use crate::renderer::{Renderer, check_memory, stats_of};
 use crate::tiles;
 use std::ops::Range;
 use strahl_scene::plan::Plan;
@@ -104,6 +105,11 @@ impl Renderer {
     /// As [`render`](Renderer::render).
     pub fn start(&self, plan: &Plan, options: &Options) -> Result<RayStates, Error> {
         self.check(plan, options)?;
+        let rays = u64::from(plan.width) * u64::from(plan.height) * u64::from(plan.lattice.frames);
+        check_memory(
+            "its rays",
+            rays.saturating_mul(size_of::<RayState>() as u64),
+        )?;
         Ok(RayStates::new(plan, march::start(plan)))
     }
 

@@ -39,6 +39,9 @@ impl Pool {
     }
 }
 
+/// More threads than this would only wait for one another.
+pub const MOST_THREADS: usize = 1024;
+
 /// A pool for each number of threads that was asked for. Clones share them.
 #[derive(Clone, Debug, Default)]
 pub struct Pools(Arc<Mutex<BTreeMap<usize, Arc<Pool>>>>);
@@ -48,10 +51,14 @@ impl Pools {
     /// default that of all cores, if the number is 0, and in builds without threads for the caller's own.
     ///
     /// # Errors
-    /// The operating system gives no threads; the build has none, and more than one are asked for.
+    /// They are more than [`MOST_THREADS`]; the operating system gives no threads; the build has none, and more than one are asked for.
     pub fn of(&self, threads: usize) -> Result<Option<Arc<Pool>>, Error> {
         if threads == 0 || (threads == 1 && cfg!(not(feature = "threads"))) {
             return Ok(None);
+        }
+        if threads > MOST_THREADS {
+            let why = format!("at most {MOST_THREADS} draw together; 0 takes one per core");
+            return Err(Error::Threads { threads, why });
         }
         let mut pools = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(pool) = pools.get(&threads) {

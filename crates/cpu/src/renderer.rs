@@ -126,7 +126,19 @@ impl Renderer {
         if options.tile == 0 {
             return Err(Error::NoTile);
         }
-        Ok(())
+        let pixels = u64::from(plan.width) * u64::from(plan.height);
+        check_memory("the picture", pixels * size_of::<[f32; 5]>() as u64)
+    }
+}
+
+/// Whether there is room for as many bytes; they are given back at once.
+pub(crate) fn check_memory(what: &'static str, bytes: u64) -> Result<(), Error> {
+    let reserved = usize::try_from(bytes)
+        .ok()
+        .map(|number| Vec::<u8>::new().try_reserve_exact(number));
+    match reserved {
+        Some(Ok(())) => Ok(()),
+        _ => Err(Error::NoMemory { what, bytes }),
     }
 }
 

@@ -121,6 +121,9 @@ fn rectangles<T>(
     width: usize,
     edges: [usize; 2],
 ) -> Vec<([usize; 2], Vec<&mut [T]>)> {
+    // A tile may be asked for that is larger than the picture.
+    let height = cells.len() / width;
+    let edges = [edges[0].min(width), edges[1].min(height.max(1))];
     let mut all = Vec::new();
     for (band, rows) in cells.chunks_mut(width * edges[1]).enumerate() {
         let first = all.len();

@@ -25,6 +25,7 @@ mod coarser;
 mod color;
 mod color_map;
 mod composite;
+mod drawable;
 mod function;
 mod graph_text;
 mod headers;

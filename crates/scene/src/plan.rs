@@ -139,6 +139,31 @@ pub enum Segments {
 }
 
 /// The segments of a label volume. Beyond its extent is the segment with id 0.
+///
+/// ```
+/// use strahl_scene::plan::{Composite, Labelled, Segments};
+/// use strahl_scene::{Scene, resolve};
+/// use strahl_volume::{Datasets, Phantom};
+///
+/// let dims = [40, 30, 50];
+/// let volume = Phantom::Anatomy.volume(dims)?;
+/// let labels = Phantom::Anatomy.labels(dims)?.expect("the anatomy has labels");
+/// let mut plan = resolve(&Scene::parse("scene", "{}")?, &volume.header(), None)?;
+/// // Technique 0 is the scene's; technique 1 shows the largest value of a run.
+/// let mut projection = plan.technique().clone();
+/// projection.composite = Composite::Mip;
+/// plan.techniques.push(projection);
+/// plan.layers[0].segments = Segments::Labelled(Box::new(Labelled {
+///     labels: 0,
+///     grid: *labels.grid(),
+///     is_moved: false,
+///     techniques: [(0, None), (1, Some(1))].into(),
+///     others: Some(0),
+/// }));
+/// let data = Datasets { labels: vec![labels], ..Datasets::from(&volume) };
+/// plan.check(&data)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Labelled {
     /// Which of the label volumes.

@@ -34,6 +34,12 @@ pub enum OtherData {
         /// Dimensions of the volume.
         volume: [usize; 3],
     },
+    /// The Plan was made or changed by hand, and no picture can be drawn of it.
+    #[error("the plan cannot be drawn: {what} (`resolve` makes none such)")]
+    NotDrawable {
+        /// What is wrong, and what would be right.
+        what: String,
+    },
     /// The Plan was resolved for another label volume.
     #[error(
         "the plan is for labels in a grid of {plan:?} voxels, the label volume has {labels:?} (or lies elsewhere); make the plan with the grid of this label volume"
@@ -60,11 +66,14 @@ impl OtherData {
 }
 
 impl Plan {
-    /// Whether this is a Plan of `data`.
+    /// Whether this is a Plan of `data` that can be drawn: one that `resolve` has made is, one that was changed by hand may
+    /// count what is not there or be out of range.
     ///
     /// # Errors
-    /// It is one of other data.
+    /// It is one of other data, or of none.
     pub fn check(&self, data: &Datasets) -> Result<(), OtherData> {
+        self.check_itself()
+            .map_err(|what| OtherData::NotDrawable { what })?;
         for field in self.drawn_fields() {
             OtherData::unless_there("volume", field.volume, data.volumes.len())?;
             let own = data.volumes[field.volume].grid();

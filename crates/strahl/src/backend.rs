@@ -134,18 +134,18 @@ fn evaluated(
     control: &Control,
 ) -> Result<Drawn, Error> {
     let pool = session.pools().of(threads)?;
-    let mut evaluator = session.evaluator(control)?;
-    let evaluator = &mut *evaluator;
-    evaluator.set_data(wanted.data);
-    let mut draw = || {
-        let (rendered, notes) = match wanted.graph {
-            None => (evaluator.render(wanted.plan, control)?, Vec::new()),
-            Some(graph) => graph.draw(evaluator, wanted.plan, control)?,
-        };
-        Ok(Drawn {
-            rendered,
-            drawn_by: DrawnBy::Evaluator,
-            notes,
+    let draw = || {
+        session.with_evaluator(|evaluator| {
+            evaluator.set_data(wanted.data);
+            let (rendered, notes) = match wanted.graph {
+                None => (evaluator.render(wanted.plan, control)?, Vec::new()),
+                Some(graph) => graph.draw(evaluator, wanted.plan, control)?,
+            };
+            Ok(Drawn {
+                rendered,
+                drawn_by: DrawnBy::Evaluator,
+                notes,
+            })
         })
     };
     match pool {

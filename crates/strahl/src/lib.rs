@@ -49,7 +49,7 @@ mod devices;
 mod error;
 mod folder;
 mod load;
-#[cfg(any(feature = "graph", feature = "gpu"))]
+#[cfg(feature = "gpu")]
 mod locked;
 mod note;
 mod output;

@@ -4,21 +4,19 @@ use crate::Error;
 #[cfg(feature = "gpu")]
 use crate::devices::Devices;
 use crate::load::{Seen, load_seen};
-#[cfg(feature = "graph")]
-use crate::locked::locked;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 #[cfg(feature = "graph")]
-use std::sync::{Mutex, MutexGuard};
+use std::sync::{Mutex, PoisonError};
 use std::time::SystemTime;
 use std::{fs, io};
 use strahl_cpu::Pools;
 #[cfg(feature = "graph")]
 use strahl_evaluate::Evaluator;
+#[cfg(feature = "graph")]
+use strahl_volume::Datasets;
 use strahl_volume::read::mesh::LoadedMesh;
 use strahl_volume::read::{Loaded, ReadOptions};
-#[cfg(feature = "graph")]
-use strahl_volume::{Cancelled, Datasets};
 use strahl_volume::{ContentId, Control, Counts, Key, LabelVolume, Phantom, Store, Volume};
 
 /// Draws scenes, and keeps what the next picture needs as well: the data that scenes name, what renderers make of
@@ -48,7 +46,7 @@ pub struct Session {
     store: Arc<Store>,
     pools: Pools,
     #[cfg(feature = "graph")]
-    evaluator: Mutex<Evaluator>,
+    evaluators: Mutex<Vec<Evaluator>>,
     #[cfg(feature = "gpu")]
     devices: Devices,
 }
@@ -74,7 +72,7 @@ impl Session {
             files: Store::with_budget(usize::MAX),
             pools: Pools::default(),
             #[cfg(feature = "graph")]
-            evaluator: Mutex::new(Evaluator::with_store(Datasets::default(), store.clone())),
+            evaluators: Mutex::default(),
             #[cfg(feature = "gpu")]
             devices: Devices::new(store.clone()),
             store,
@@ -123,13 +121,22 @@ impl Session {
         &self.pools
     }
 
-    /// The evaluator, when nobody else uses it.
+    /// Has `work` done with an evaluator that nobody else uses. (Nobody waits for another: whoever waits on a thread of a
+    /// pool may have to draw a second picture meanwhile.)
     #[cfg(feature = "graph")]
-    pub(crate) fn evaluator(
-        &self,
-        control: &Control,
-    ) -> Result<MutexGuard<'_, Evaluator>, Cancelled> {
-        locked(&self.evaluator, control)
+    pub(crate) fn with_evaluator<R>(&self, work: impl FnOnce(&mut Evaluator) -> R) -> R {
+        let all = || {
+            self.evaluators
+                .lock()
+                .unwrap_or_else(PoisonError::into_inner)
+        };
+        let free = all().pop();
+        let new = || Evaluator::with_store(Datasets::default(), self.store.clone());
+        let mut evaluator = free.unwrap_or_else(new);
+        let done = work(&mut evaluator);
+        evaluator.set_data(Datasets::default());
+        all().push(evaluator);
+        done
     }
 
     /// The volume in `paths`, read unless it is known.

@@ -270,3 +270,17 @@ fn what_is_forgotten_is_read_again() {
     draw(&session, &scene(""));
     assert_eq!(session.read().made, 2);
 }
+
+/// Whoever waits for a pool draws another picture meanwhile: nothing may be held that this one waits for.
+#[test]
+fn pictures_of_graphs_are_drawn_from_within_a_pool() {
+    use rayon::prelude::*;
+    let session = Session::new();
+    let scene = scene(r#""graph": { "edits": [] }"#);
+    let draw = |_| {
+        let render = Render::scene(scene.clone()).threads(2);
+        render.in_session(&session).picture().unwrap().image
+    };
+    let images: Vec<Image> = (0..12).into_par_iter().map(draw).collect();
+    assert!(images.iter().all(|image| *image == images[0]));
+}

@@ -1,0 +1,117 @@
+//! What every renderer may rely on in a Plan, also in one that was changed by hand.
+
+use crate::plan::{
+    Composite, MOST_EDGE_PIXELS, MOST_FRAMES, MOST_LAYERS, Plan, Sampling, Segments,
+};
+
+impl Plan {
+    /// What is wrong with this Plan whatever its data is: numbers out of their range, places that are not there, parts that do
+    /// not go together. [`resolve`](crate::resolve()) makes no such Plan.
+    ///
+    /// # Errors
+    /// The first thing that is wrong, and what would be right.
+    pub(crate) fn check_itself(&self) -> Result<(), String> {
+        let within = |what: &str, number: u64, most: u64| match (1..=most).contains(&number) {
+            true => Ok(()),
+            false => Err(format!("{what} is {number}; it has to be 1 to {most}")),
+        };
+        let most_pixels = u64::from(MOST_EDGE_PIXELS);
+        within("width", self.width.into(), most_pixels)?;
+        within("height", self.height.into(), most_pixels)?;
+        let frames = u64::from(self.lattice.frames);
+        within("lattice.frames", frames, MOST_FRAMES.into())?;
+        within(
+            "the number of layers",
+            self.layers.len() as u64,
+            MOST_LAYERS as u64,
+        )?;
+        let step_mm = self.lattice.step_mm;
+        if !(step_mm > 0.0 && step_mm.is_finite()) {
+            return Err(format!(
+                "lattice.step_mm is {step_mm}; it has to be above 0 and finite"
+            ));
+        }
+        self.check_layers()?;
+        self.check_sampling()
+    }
+
+    /// That fields and techniques are there, and which of them go together.
+    fn check_layers(&self) -> Result<(), String> {
+        let (fields, techniques) = (self.fields.len(), self.techniques.len());
+        let technique = |number: usize| match number < techniques {
+            true => Ok(()),
+            false => Err(format!(
+                "a layer asks for technique {number}, of which there are {techniques}"
+            )),
+        };
+        for layer in &self.layers {
+            if layer.field >= fields {
+                let field = layer.field;
+                return Err(format!(
+                    "a layer asks for field {field}, of which there are {fields}"
+                ));
+            }
+            match &layer.segments {
+                Segments::Whole { technique: number } => technique(*number)?,
+                Segments::Labelled(labelled) => {
+                    let named = labelled.techniques.values().chain([&labelled.others]);
+                    named.flatten().try_for_each(|number| technique(*number))?;
+                    technique(0)?;
+                    self.check_segments()?;
+                }
+            }
+        }
+        let mixes = |layer: usize| self.technique_of(layer).composite.mixes_layers();
+        match self.layers.len() == 1 || (0..self.layers.len()).all(mixes) {
+            true => Ok(()),
+            false => Err(
+                "a composite that works on the values of one volume stands beside other layers"
+                    .to_owned(),
+            ),
+        }
+    }
+
+    /// What segments of a label volume do not go together with.
+    fn check_segments(&self) -> Result<(), String> {
+        if self.layers.len() > 1 {
+            return Err("segments of a label volume are drawn beside other layers".to_owned());
+        }
+        if self.sampling != Sampling::Regular {
+            let rule = self.sampling.name();
+            return Err(format!(
+                "segments of a label volume are sampled by the rule {rule:?}; they are by \"regular\" only"
+            ));
+        }
+        if !matches!(self.global_composite, Composite::EmissionAbsorption { .. }) {
+            return Err("global_composite has to be EmissionAbsorption".to_owned());
+        }
+        let local = |composite: Composite| composite.is_local();
+        match self.techniques.iter().all(|t| local(t.composite)) {
+            true => Ok(()),
+            false => Err(
+                "the technique of a segment has the composite BackToFront or a debug view, which make no sample of a run"
+                    .to_owned(),
+            ),
+        }
+    }
+
+    /// Which rules of sampling there are for which composites.
+    fn check_sampling(&self) -> Result<(), String> {
+        if self.sampling == Sampling::Regular {
+            return Ok(());
+        }
+        let composite = self.technique().composite;
+        let fits = match composite {
+            Composite::EmissionAbsorption { .. } => true,
+            Composite::Mip | Composite::Minip => matches!(self.sampling, Sampling::Refine { .. }),
+            _ => false,
+        };
+        match fits && self.layers.len() == 1 {
+            true => Ok(()),
+            false => Err(format!(
+                "the rule of sampling {:?} is for one layer by emission and absorption (\"refine\" for MIP and MinIP, too)",
+                self.sampling.name()
+            )),
+        }
+    }
+}
