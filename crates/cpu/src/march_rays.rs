@@ -8,12 +8,12 @@ use crate::prepared::Prepared;
 use crate::raster::Raster;
 use crate::ray_state::RayState;
 use crate::ray_states::RayStates;
-use crate::renderer::{Renderer, check_memory, stats_of};
+use crate::renderer::{Renderer, check_memory};
 use crate::tiles;
 use std::ops::Range;
+use strahl_scene::Rendered;
 use strahl_scene::plan::Plan;
-use strahl_scene::{Image, Rendered, Stats};
-use strahl_volume::{Control, Stopwatch, Work};
+use strahl_volume::{Control, Work};
 
 /// Rays to be moved with any instruction set.
 struct Marching<'d> {
@@ -34,42 +34,6 @@ impl Task for Marching<'_> {
         self.prepared.with_scenery::<S, _>(plan, |scenery| {
             let parts = control.parts(Work::Drawing, Raster::ALL.tiles(plan, edge));
             tiles::march(scenery, &self.interval, edge, states, &parts)
-        })
-    }
-}
-
-/// A picture to be made of rays with any instruction set.
-struct Finishing<'d> {
-    prepared: Prepared,
-    plan: &'d Plan,
-    options: &'d Options,
-    states: &'d RayStates,
-    control: &'d Control,
-}
-
-impl Task for Finishing<'_> {
-    type Output = Result<Rendered, Error>;
-
-    fn run<S: Level>(self) -> Result<Rendered, Error> {
-        let (plan, edge) = (self.plan, self.options.tile);
-        let [bricks_seconds, prepare_seconds] =
-            [self.prepared.bricks_seconds, self.prepared.seconds];
-        let start = Stopwatch::start();
-        let drawn = self.prepared.with_scenery::<S, _>(plan, |scenery| {
-            let tiles = Raster::ALL.tiles(plan, edge);
-            let parts = self.control.parts(Work::Drawing, tiles);
-            tiles::draw(scenery, Raster::ALL, edge, Some(self.states), &parts)
-        })?;
-        let image = Image::from_pixels(plan.width, plan.height, drawn.pixels);
-        Ok(Rendered {
-            image: image.into_linear(plan.compositing),
-            depth_mm: plan.with_depth.then_some(drawn.depth_mm),
-            stats: Stats {
-                bricks_seconds,
-                prepare_seconds,
-                draw_seconds: start.seconds(),
-                ..stats_of(plan, drawn.counts)
-            },
         })
     }
 }
@@ -159,15 +123,6 @@ impl Renderer {
     ) -> Result<Rendered, Error> {
         self.check(plan, options)?;
         states.check(plan)?;
-        let pool = self.pools().of(options.threads)?;
-        let pool = pool.as_deref();
-        let finishing = Finishing {
-            prepared: self.prepare(plan, options, control, pool)?,
-            plan,
-            options,
-            states,
-            control,
-        };
-        options.run(pool, finishing)
+        self.draw(plan, Some(states), options, control)
     }
 }

@@ -18,9 +18,9 @@ use crate::segment_numbers::SegmentNumbers;
 use crate::skip::Skip;
 use crate::strides::Strides;
 use std::sync::Arc;
+use strahl_scene::Source;
 use strahl_scene::plan::{Fetch, Field, Plan, Reconstruct, Sampling};
 use strahl_scene::visibility::ContributionOf;
-use strahl_scene::{NoiseTile, Source};
 use strahl_volume::bricks::{BrickRange, Bricks, BricksOf};
 use strahl_volume::{
     Cancelled, CoefficientsOf, ContentId, Datasets, Key, LabelNumbers, LabelNumbersOf, Rescale,
@@ -34,7 +34,7 @@ pub struct Prepared {
     masks: Vec<Volume>,
     /// Of the label volume whose segments are drawn.
     label_numbers: Option<Arc<LabelNumbers>>,
-    noise_tile: Option<Arc<NoiseTile>>,
+    jitters: Jitters,
     meshes: Meshes,
     /// For bricks, and for the rest.
     pub bricks_seconds: f64,
@@ -72,7 +72,7 @@ impl Prepared {
             known,
             masks: data.masks.clone(),
             label_numbers: label_numbers(making, data, plan)?,
-            noise_tile: NoiseTile::find(plan.lattice.jitter, making.store, making.control)?,
+            jitters: Jitters::find(plan.lattice.jitter, making.store, making.control)?,
             meshes: Meshes::new(making, &data.meshes)?,
             bricks_seconds,
             seconds: start.seconds() - bricks_seconds,
@@ -125,7 +125,7 @@ impl Prepared {
                 None => self.known.into_iter().enumerate().map(object).collect(),
             },
             segments,
-            jitters: Jitters::new(plan, self.noise_tile.as_deref()),
+            jitters: self.jitters,
             meshes: &self.meshes,
             composite: plan.composite(),
         })

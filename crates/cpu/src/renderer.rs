@@ -10,6 +10,7 @@ use crate::pools::{Pool, Pools};
 use crate::prepared::Prepared;
 use crate::raster::Raster;
 use crate::ray_packet::most_points;
+use crate::ray_states::RayStates;
 use crate::tiles;
 use std::sync::Arc;
 use strahl_scene::plan::Plan;
@@ -27,6 +28,8 @@ pub struct Renderer {
 struct Drawing<'d> {
     prepared: Prepared,
     plan: &'d Plan,
+    /// How far its rays have come; without, they are marched from their first lattice points to their ends.
+    states: Option<&'d RayStates>,
     options: &'d Options,
     control: &'d Control,
 }
@@ -35,7 +38,26 @@ impl Task for Drawing<'_> {
     type Output = Result<Rendered, Error>;
 
     fn run<S: Level>(self) -> Result<Rendered, Error> {
-        self.draw::<S>()
+        let (plan, edge) = (self.plan, self.options.tile);
+        let [bricks_seconds, prepare_seconds] =
+            [self.prepared.bricks_seconds, self.prepared.seconds];
+        let start = Stopwatch::start();
+        let drawn = self.prepared.with_scenery::<S, _>(plan, |scenery| {
+            let tiles = Raster::ALL.tiles(plan, edge);
+            let parts = self.control.parts(Work::Drawing, tiles);
+            tiles::draw(scenery, Raster::ALL, edge, self.states, &parts)
+        })?;
+        let image = Image::from_pixels(plan.width, plan.height, drawn.pixels);
+        Ok(Rendered {
+            image: image.into_linear(plan.compositing),
+            depth_mm: plan.with_depth.then_some(drawn.depth_mm),
+            stats: Stats {
+                bricks_seconds,
+                prepare_seconds,
+                draw_seconds: start.seconds(),
+                ..stats_of(plan, drawn.counts)
+            },
+        })
     }
 }
 
@@ -72,12 +94,23 @@ impl Renderer {
         control: &Control,
     ) -> Result<Rendered, Error> {
         self.check(plan, options)?;
+        self.draw(plan, None, options, control)
+    }
+
+    /// The same for a Plan that was checked, or the picture that the rays `states` of it make.
+    pub(crate) fn draw(
+        &self,
+        plan: &Plan,
+        states: Option<&RayStates>,
+        options: &Options,
+        control: &Control,
+    ) -> Result<Rendered, Error> {
         let pool = self.pools.of(options.threads)?;
         let pool = pool.as_deref();
-        let prepared = self.prepare(plan, options, control, pool)?;
         let drawing = Drawing {
-            prepared,
+            prepared: self.prepare(plan, options, control, pool)?,
             plan,
+            states,
             options,
             control,
         };
@@ -139,31 +172,6 @@ pub(crate) fn check_memory(what: &'static str, bytes: u64) -> Result<(), Error> 
     match reserved {
         Some(Ok(())) => Ok(()),
         _ => Err(Error::NoMemory { what, bytes }),
-    }
-}
-
-impl Drawing<'_> {
-    fn draw<S: Level>(self) -> Result<Rendered, Error> {
-        let (plan, edge) = (self.plan, self.options.tile);
-        let [bricks_seconds, prepare_seconds] =
-            [self.prepared.bricks_seconds, self.prepared.seconds];
-        let start = Stopwatch::start();
-        let drawn = self.prepared.with_scenery::<S, _>(plan, |scenery| {
-            let tiles = Raster::ALL.tiles(plan, edge);
-            let parts = self.control.parts(Work::Drawing, tiles);
-            tiles::draw(scenery, Raster::ALL, edge, None, &parts)
-        })?;
-        let image = Image::from_pixels(plan.width, plan.height, drawn.pixels);
-        Ok(Rendered {
-            image: image.into_linear(plan.compositing),
-            depth_mm: plan.with_depth.then_some(drawn.depth_mm),
-            stats: Stats {
-                bricks_seconds,
-                prepare_seconds,
-                draw_seconds: start.seconds(),
-                ..stats_of(plan, drawn.counts)
-            },
-        })
     }
 }
 

@@ -35,7 +35,7 @@ pub enum OtherData {
         volume: [usize; 3],
     },
     /// The Plan was made or changed by hand, and no picture can be drawn of it.
-    #[error("the plan cannot be drawn: {what} (`resolve` makes none such)")]
+    #[error("the plan cannot be drawn: {what}; a plan that resolve has made can")]
     NotDrawable {
         /// What is wrong, and what would be right.
         what: String,

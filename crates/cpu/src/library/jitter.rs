@@ -5,26 +5,29 @@ mod moved_on;
 mod sine_hash;
 mod tile;
 
+use std::sync::Arc;
 use strahl_scene::NoiseTile;
-use strahl_scene::plan::{Jitter, Plan};
+use strahl_scene::plan::Jitter;
+use strahl_volume::{Cancelled, Control, Store};
 
 /// The jitter of a Plan, with what it reads.
 pub enum Jitters {
     Centre,
     Hash(u32),
     SineHash,
-    Tile(NoiseTile),
+    Tile(Arc<NoiseTile>),
 }
 
 impl Jitters {
-    /// The jitter of `plan`, with the `tile` that it reads if it reads one.
-    pub fn new(plan: &Plan, tile: Option<&NoiseTile>) -> Jitters {
-        match (plan.lattice.jitter, tile) {
-            (_, Some(tile)) => Jitters::Tile(tile.clone()),
-            (Jitter::Hash(seed), None) => Jitters::Hash(seed),
-            (Jitter::SineHash, None) => Jitters::SineHash,
-            (Jitter::Centre | Jitter::WhiteTile(_) | Jitter::BlueTile(_), None) => Jitters::Centre,
-        }
+    /// `jitter`, with the tile that it reads if it reads one: found in `store`, or made.
+    pub fn find(jitter: Jitter, store: &Store, control: &Control) -> Result<Jitters, Cancelled> {
+        let tile = NoiseTile::find(jitter, store, control)?;
+        Ok(match (tile, jitter) {
+            (Some(tile), _) => Jitters::Tile(tile),
+            (None, Jitter::Hash(seed)) => Jitters::Hash(seed),
+            (None, Jitter::SineHash) => Jitters::SineHash,
+            (None, _) => Jitters::Centre,
+        })
     }
 
     /// The jitter of the pixel in column `x`, row `y` of a frame, in [0, 1).
