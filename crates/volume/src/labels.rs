@@ -1,7 +1,7 @@
-//! Label volumes: which object a voxel belongs to, with the objects' names and colours.
+//! Label volumes: which object a voxel belongs to, with the objects' names and colors.
 
 use crate::{ContentId, Error, Grid, Metadata, Rescale, Samples, Volume};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 /// One object of a label volume.
@@ -11,8 +11,22 @@ pub struct Label {
     pub id: u32,
     /// Its name, such as `left kidney`.
     pub name: String,
-    /// Display colour, sRGB 0 to 1, if known.
+    /// Display color, sRGB 0 to 1, if known.
     pub color: Option<[f32; 3]>,
+    /// What kind of thing it is, such as `Tissue`, if the file says.
+    pub group: Option<String>,
+}
+
+impl Label {
+    /// A label of which nothing but id and name is known.
+    pub fn new(id: u32, name: impl Into<String>) -> Label {
+        Label {
+            id,
+            name: name.into(),
+            color: None,
+            group: None,
+        }
+    }
 }
 
 /// The ids of a label volume, x fastest.
@@ -35,12 +49,11 @@ pub struct LabelVolume {
 
 impl LabelVolume {
     /// Takes the whole numbers of `volume` as object ids; u8, u16 and u32 stay as they are, signed
-    /// types without a negative number become unsigned of the same width, and floating-point
-    /// samples that are all whole become the narrowest fitting type.
+    /// and floating-point samples become the narrowest type that holds all of them.
     ///
     /// # Errors
-    /// A number that is negative, not whole or above `u32::MAX`; a rescale that is not identity; an
-    /// id named twice in `labels`.
+    /// The first voxel whose number is negative, not whole or above `u32::MAX`; a rescale that is
+    /// not identity; an id named twice in `labels`.
     pub fn from_volume(volume: Volume, labels: Vec<Label>) -> Result<LabelVolume, Error> {
         let (grid, samples, rescale, _) = volume.into_parts();
         if rescale != crate::Rescale::IDENTITY {
@@ -60,7 +73,7 @@ impl LabelVolume {
             Samples::U8(s) => LabelIds::U8(s),
             Samples::U16(s) => LabelIds::U16(s),
             Samples::U32(s) => LabelIds::U32(s),
-            other => narrowest(&other)?,
+            other => narrowest(&grid, &other)?,
         };
         Ok(LabelVolume {
             grid,
@@ -103,13 +116,20 @@ impl LabelVolume {
         }
     }
 
+    /// The ids that voxels have, ascending, each with the number of its voxels.
+    pub fn counts(&self) -> Vec<(u32, u64)> {
+        let counts = match &*self.ids {
+            LabelIds::U8(s) => counted(s),
+            LabelIds::U16(s) => counted(s),
+            LabelIds::U32(s) => counted(s),
+        };
+        counts.into_iter().collect()
+    }
+
     /// The ids that voxels have or names belong to, ascending.
     pub fn known_ids(&self) -> Vec<u32> {
-        let mut known = match &*self.ids {
-            LabelIds::U8(s) => different(s),
-            LabelIds::U16(s) => different(s),
-            LabelIds::U32(s) => different(s),
-        };
+        let of_voxels = self.counts().into_iter().map(|(id, _)| id);
+        let mut known: BTreeSet<u32> = of_voxels.collect();
         known.extend(self.labels.iter().map(|label| label.id));
         known.into_iter().collect()
     }
@@ -133,8 +153,12 @@ fn runs<T: PartialEq>(ids: &[T]) -> impl Iterator<Item = &[T]> {
     ids.chunk_by(|a, b| a == b)
 }
 
-fn different<T: Copy + Into<u32> + PartialEq>(ids: &[T]) -> BTreeSet<u32> {
-    runs(ids).map(|run| run[0].into()).collect()
+fn counted<T: Copy + Into<u32> + PartialEq>(ids: &[T]) -> BTreeMap<u32, u64> {
+    let mut counts = BTreeMap::new();
+    for run in runs(ids) {
+        *counts.entry(run[0].into()).or_default() += run.len() as u64;
+    }
+    counts
 }
 
 fn is_in<T: Copy + Into<u32> + PartialEq>(ids: &[T], asked: &BTreeSet<u32>) -> Vec<u8> {
@@ -146,13 +170,15 @@ fn is_in<T: Copy + Into<u32> + PartialEq>(ids: &[T], asked: &BTreeSet<u32>) -> V
     inside
 }
 
-fn narrowest(samples: &Samples) -> Result<LabelIds, Error> {
+fn narrowest(grid: &Grid, samples: &Samples) -> Result<LabelIds, Error> {
     let mut largest = 0.0f64;
     for i in 0..samples.len() {
         let id = samples.get(i);
         if !(0.0..=f64::from(u32::MAX)).contains(&id) || id.fract() != 0.0 {
+            let [nx, ny, _] = grid.dims();
+            let voxel = [i % nx, i / nx % ny, i / (nx * ny)];
             return Err(Error::field(
-                "label id",
+                format!("label id at voxel {voxel:?}"),
                 id,
                 "whole numbers from 0 to 4294967295",
             ));
@@ -180,17 +206,16 @@ mod tests {
         let count = dims.iter().product::<usize>();
         let grid = Grid::centred(dims, DVec3::ONE).unwrap();
         let ids: Vec<u32> = (0..count as u32).map(|i| (i / 700) % 4 * 1000).collect();
-        let named = Label {
-            id: 7,
-            name: "nowhere".into(),
-            color: None,
-        };
+        let named = Label::new(7, "nowhere");
         let volume = |samples| Volume::new(grid, samples, Rescale::IDENTITY, Metadata::default());
         let wide = volume(Samples::U32(ids.clone())).unwrap();
         let narrow = volume(Samples::U16(ids.iter().map(|&id| id as u16).collect())).unwrap();
         for stored in [wide, narrow] {
             let labels = LabelVolume::from_volume(stored, vec![named.clone()]).unwrap();
             assert_eq!(labels.known_ids(), [0, 7, 1000, 2000, 3000]);
+            // 3600 voxels in runs of 700: the first id has 700 and the last 100 again.
+            let counts = [(0, 1400), (1000, 800), (2000, 700), (3000, 700)];
+            assert_eq!(labels.counts(), counts);
             for asked in [&[1000, 3000][..], &[0], &[7], &[]] {
                 let mask = labels.mask(asked);
                 let inside = ids.iter().map(|id| u8::from(asked.contains(id))).collect();
@@ -198,5 +223,44 @@ mod tests {
                 assert_eq!(mask.grid(), labels.grid());
             }
         }
+    }
+
+    #[test]
+    fn whole_numbers_of_any_type_are_ids_and_others_are_refused_by_voxel() {
+        let grid = Grid::centred([2, 3, 2], DVec3::ONE).unwrap();
+        let of = |samples, slope| {
+            let rescale = Rescale::new(slope, 0.0);
+            let volume = Volume::new(grid, samples, rescale, Metadata::default()).unwrap();
+            LabelVolume::from_volume(volume, Vec::new())
+        };
+        let mut floats = vec![0.0f32; 12];
+        (floats[3], floats[11]) = (300.0, -0.0);
+        let labels = of(Samples::F32(floats.clone()), 1.0).unwrap();
+        assert!(matches!(labels.ids(), LabelIds::U16(_)));
+        assert_eq!((labels.id(1, 1, 0), labels.id(1, 2, 1)), (300, 0));
+        for (bad, said) in [
+            (0.5, "0.5"),
+            (f32::NAN, "NaN"),
+            (-1.0, "-1"),
+            (1e10, "10000000000"),
+        ] {
+            // x = 0, y = 2, z = 1: index 0 + 2 · (2 + 3 · 1).
+            floats[10] = bad;
+            let message = of(Samples::F32(floats.clone()), 1.0)
+                .unwrap_err()
+                .to_string();
+            let expected = format!("label id at voxel [0, 2, 1] is {said}; allowed: whole numbers");
+            assert!(message.starts_with(&expected), "{message}");
+        }
+        let message = of(Samples::I16(vec![-3; 12]), 1.0).unwrap_err().to_string();
+        assert!(
+            message.starts_with("label id at voxel [0, 0, 0] is -3"),
+            "{message}"
+        );
+        let message = of(Samples::U8(vec![1; 12]), 2.0).unwrap_err().to_string();
+        assert!(
+            message.contains("2 · stored + 0; allowed: slope 1"),
+            "{message}"
+        );
     }
 }

@@ -271,9 +271,8 @@ impl Phantom {
         let labels = anatomy::TISSUES
             .iter()
             .map(|facts| Label {
-                id: facts.tissue as u32,
-                name: facts.name.to_owned(),
                 color: Some(facts.color.map(|c| f32::from(c) / 255.0)),
+                ..Label::new(facts.tissue as u32, facts.name)
             })
             .collect();
         let volume = Volume::new(

@@ -14,6 +14,7 @@ mod header_lines;
 mod input;
 #[cfg(feature = "dicom")]
 mod jpeg;
+mod label_tables;
 mod loaded;
 pub mod mesh;
 mod metaimage;
@@ -37,6 +38,7 @@ mod unpacked;
 mod vti;
 mod vtk;
 mod watched;
+mod xml;
 
 use crate::{Control, Error, ErrorKind};
 use foreign::Foreign;

@@ -146,7 +146,7 @@ fn labels_of_another_grid() {
     );
     mask(
         r#"{"path": "shells.nrrd", "labels": [1]}"#,
-        &["shells.nrrd: label id is 0.2"],
+        &["shells.nrrd: label id at voxel [0, 0, 0] is 0.2"],
     );
 }
 

@@ -23,8 +23,12 @@
 //! Analyze 7.5 is NIfTI-1 without magic, with `originator` (253, 3 × i16, voxel of the origin
 //! counted from 1, as SPM writes it) in place of the affines.
 //!
+//! Tables of labels stand in extensions behind the header.
+//!
 //! Which affine counts: the sform if `sform_code` is not 0, else the qform if `qform_code` is not 0,
 //! else the spacings about the centre of the grid with x to the left, which is what nibabel does.
+
+mod extensions;
 
 use super::block::{self, Block, Encoding, Endian, Trailing};
 use super::components::{self, Choice, Meaning};
@@ -135,11 +139,18 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error
             header.scl_inter
         ));
     }
+    let labels = extensions::labels(
+        &header,
+        input.bytes,
+        head_encoding,
+        options.time_index,
+        &mut notes,
+    )?;
     let metadata = header.metadata(input.name, time_points, options.time_index);
     let rescale = Rescale::new(header.scl_slope, header.scl_inter);
     Ok(Loaded {
         volume: Volume::new(grid, samples, rescale, metadata)?,
-        labels: (header.intent_code == INTENT_LABEL).then(Vec::new),
+        labels,
         notes,
     })
 }

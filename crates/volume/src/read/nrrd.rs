@@ -781,7 +781,10 @@ impl Header {
                 .transpose()?
                 .map(|c| [c[0], c[1], c[2]].map(|c| c.clamp(0.0, 1.0)));
             let name = segment.name.or(segment.id).unwrap_or_default().to_owned();
-            labels.push(Label { id, name, color });
+            labels.push(Label {
+                color,
+                ..Label::new(id, name)
+            });
         }
         if other_layers > 0 {
             notes.push(format!(

@@ -15,7 +15,7 @@
 use super::block::{self, Block, Encoding, Endian, Trailing};
 use super::components;
 use super::stored::Stored;
-use super::{Bytes, Input, Loaded, ReadOptions, base64, unoriented, vtk};
+use super::{Bytes, Input, Loaded, ReadOptions, base64, unoriented, vtk, xml};
 use crate::error::{Error, ErrorKind};
 use crate::{Grid, Metadata, Rescale, Samples, Volume};
 use flate2::bufread::ZlibDecoder;
@@ -75,22 +75,7 @@ struct Element<'a> {
 
 impl<'a> Element<'a> {
     fn attribute(&self, name: &str) -> Option<&'a str> {
-        let mut rest = self.attributes;
-        loop {
-            let at = rest.find(name)?;
-            let before = rest[..at].chars().next_back();
-            let after = rest[at + name.len()..].trim_start();
-            rest = &rest[at + name.len()..];
-            if !before.is_none_or(char::is_whitespace) {
-                continue;
-            }
-            let Some(value) = after.strip_prefix('=') else {
-                continue;
-            };
-            let value = value.trim_start();
-            let quote = value.chars().next().filter(|c| matches!(c, '"' | '\''))?;
-            return value[1..].split(quote).next();
-        }
+        xml::attribute(self.attributes, name)
     }
 
     fn required(&self, name: &str) -> Result<&'a str, Error> {

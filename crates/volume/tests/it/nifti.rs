@@ -4,7 +4,7 @@
 use crate::{assert_affine, gzip, message, read, read_with};
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use strahl_volume::read::ReadOptions;
-use strahl_volume::{Rescale, Samples};
+use strahl_volume::{Label, Rescale, Samples};
 
 #[derive(Clone)]
 pub struct NiftiFile {
@@ -390,6 +390,116 @@ fn an_intent_of_labels_is_told() {
     };
     assert_eq!(labels(1002), Some(vec![]));
     assert_eq!(labels(0), None);
+}
+
+/// A file with extensions between header and samples: the code and the content of each.
+fn extended(file: &NiftiFile, extender: u8, extensions: &[(i32, &str)]) -> Vec<u8> {
+    let word = |number: i32| match file.big {
+        true => number.to_be_bytes(),
+        false => number.to_le_bytes(),
+    };
+    let mut head = vec![extender, 0, 0, 0];
+    for (code, content) in extensions {
+        let size = (8 + content.len()).next_multiple_of(16);
+        let end = head.len() + size;
+        head.extend(word(size as i32).into_iter().chain(word(*code)));
+        head.extend(content.as_bytes());
+        head.resize(end, 0);
+    }
+    let mut bytes = file.header();
+    let start = bytes.len();
+    bytes.extend(head);
+    let place: &[u8] = match (file.version, file.big) {
+        (2, true) => &(bytes.len() as i64).to_be_bytes(),
+        (2, false) => &(bytes.len() as i64).to_le_bytes(),
+        (_, true) => &(bytes.len() as f32).to_be_bytes(),
+        (_, false) => &(bytes.len() as f32).to_le_bytes(),
+    };
+    let at = if start == 540 { 168 } else { 108 };
+    bytes[at..at + place.len()].copy_from_slice(place);
+    bytes.extend(&file.data);
+    bytes
+}
+
+#[test]
+fn extensions_name_labels() {
+    let caret = "<?xml version=\"1.0\"?><CaretExtension><VolumeInformation Index=\"0\"><LabelTable>\
+        <Label Key=\"2\" Red=\"1\" Green=\"0.5\" Blue=\"0\" Alpha=\"1\"><![CDATA[left <lung>]]></Label>\
+        </LabelTable></VolumeInformation></CaretExtension>";
+    let of_caret = vec![Label {
+        color: Some([1.0, 0.5, 0.0]),
+        ..Label::new(2, "left <lung>")
+    }];
+    let comment = "1 Area 3b (PostCG)\n\n 4  hOc1\n";
+    let of_comment = vec![Label::new(1, "Area 3b (PostCG)"), Label::new(4, "hOc1")];
+    for (version, big) in [(1, false), (1, true), (2, false), (2, true)] {
+        let named = |intent, extensions: &[(i32, &str)]| {
+            let mut data: Vec<i16> = vec![1, 2, 3, 4, 5, 6];
+            if big {
+                data.iter_mut().for_each(|n| *n = n.swap_bytes());
+            }
+            let file = NiftiFile {
+                big,
+                version,
+                intent,
+                data: data.iter().flat_map(|n| n.to_le_bytes()).collect(),
+                ..NiftiFile::default()
+            };
+            let bytes = extended(&file, 1, extensions);
+            let packed = gzip(&bytes);
+            let [plain, packed] = [("v.nii", bytes), ("v.nii.gz", packed)].map(|(name, bytes)| {
+                let loaded = read(&[(name, &bytes)]).unwrap();
+                assert_eq!(*loaded.volume.samples(), Samples::I16(EXPECTED.to_vec()));
+                assert_eq!(loaded.notes, [""; 0]);
+                loaded.labels
+            });
+            assert_eq!(plain, packed);
+            plain
+        };
+        // Caret's table says that the numbers are ids; a comment may begin with any number.
+        assert_eq!(
+            named(0, &[(6, "by hand"), (30, caret)]),
+            Some(of_caret.clone())
+        );
+        assert_eq!(named(1002, &[(0, caret)]), Some(of_caret.clone()));
+        assert_eq!(named(1002, &[(6, comment)]), Some(of_comment.clone()));
+        assert_eq!(named(0, &[(6, comment)]), None);
+        assert_eq!(named(1002, &[(6, "made in May")]), Some(vec![]));
+    }
+}
+
+#[test]
+fn extensions_that_are_broken_cost_their_names_only() {
+    let file = NiftiFile {
+        intent: 1002,
+        ..NiftiFile::default()
+    };
+    let read = |bytes: Vec<u8>| {
+        let loaded = read(&[("v.nii", &bytes)]).unwrap();
+        assert_eq!(*loaded.volume.samples(), Samples::I16(EXPECTED.to_vec()));
+        (loaded.labels, loaded.notes)
+    };
+    let none = Some(vec![]);
+    let (labels, notes) = read(extended(&file, 1, &[(6, "1 a\n2 b\n1 c")]));
+    assert_eq!(labels, none);
+    assert_eq!(
+        notes,
+        [
+            "the names of labels in the header are not used: line 3: the id is 1, which line 1 has named; allowed: each id once"
+        ]
+    );
+    // Names without the words of an extension, as some have them.
+    let mut bytes = extended(&file, 0, &[(6, "")]);
+    bytes[352..368].copy_from_slice(b"7 a thing\n\n8 b\n ");
+    let named = vec![Label::new(7, "a thing"), Label::new(8, "b")];
+    assert_eq!(read(bytes.clone()), (Some(named), vec![]));
+    // The same taken for an extension that is longer than the file.
+    bytes[348] = 1;
+    assert_eq!(read(bytes.clone()), (none.clone(), vec![]));
+    for size in [0i32, 7, 8, -1] {
+        bytes[352..356].copy_from_slice(&size.to_le_bytes());
+        assert_eq!(read(bytes.clone()), (none.clone(), vec![]));
+    }
 }
 
 #[test]

@@ -205,9 +205,8 @@ fn segments_give_names_and_colours_layer_by_layer() {
     let first = layer(0);
     assert_eq!(*first.volume.samples(), Samples::U8(vec![1, 0]));
     let bone = Label {
-        id: 1,
-        name: "bone".into(),
         color: Some([0.9, 0.8, 0.7]),
+        ..Label::new(1, "bone")
     };
     assert_eq!(first.labels, Some(vec![bone]));
     assert!(
@@ -218,11 +217,7 @@ fn segments_give_names_and_colours_layer_by_layer() {
     );
     let second = layer(1);
     assert_eq!(*second.volume.samples(), Samples::U8(vec![0, 7]));
-    let unnamed = Label {
-        id: 7,
-        name: "Segment_2".into(),
-        color: None,
-    };
+    let unnamed = Label::new(7, "Segment_2");
     assert_eq!(second.labels, Some(vec![unnamed]));
 }
 

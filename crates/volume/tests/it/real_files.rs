@@ -3,7 +3,7 @@
 use glam::DVec3;
 use std::path::PathBuf;
 use strahl_volume::read::{MemoryFiles, ReadOptions, read_file};
-use strahl_volume::{SampleType, read::Loaded};
+use strahl_volume::{Label, LabelVolume, SampleType, read::Loaded};
 
 fn load(name: &str) -> Option<Loaded> {
     let shared = std::env::var_os("STRAHL_SHARED").map_or_else(
@@ -100,7 +100,37 @@ fn brain() {
         DVec3::ONE,
         first,
     );
-    if let Some(labels) = load("brain-labels.nii.gz") {
-        assert_eq!(labels.labels, Some(vec![]));
+}
+
+/// Names and numbers of voxels as Python's re and NumPy find them.
+#[test]
+fn labels() {
+    let counts = |loaded: Loaded| {
+        let labels = LabelVolume::from_volume(loaded.volume, loaded.labels.unwrap()).unwrap();
+        let counts = labels.counts();
+        (labels, counts)
+    };
+    if let Some(loaded) = load("abdomen-labels.nii.gz") {
+        let (labels, counts) = counts(loaded);
+        let named = labels.labels();
+        assert_eq!((named.len(), counts.len()), (117, 42));
+        assert_eq!((named[4].id, named[4].name.as_str()), (5, "liver"));
+        assert_eq!(named[5].color, Some([1.0, 128.0 / 255.0, 0.0]));
+        assert_eq!(
+            (named[116].id, named[116].name.as_str()),
+            (117, "costal_cartilages")
+        );
+        assert_eq!(counts[..3], [(0, 259_435), (1, 9452), (2, 3947)]);
+        assert_eq!((counts[5], counts[41]), ((5, 38_634), (117, 2100)));
+        assert_eq!(counts.iter().map(|(_, n)| n).sum::<u64>(), 122 * 101 * 30);
+        assert_eq!(labels.known_ids(), (0..=117).collect::<Vec<u32>>());
+    }
+    if let Some(loaded) = load("brain-labels.nii.gz") {
+        let (labels, counts) = counts(loaded);
+        let named = labels.labels();
+        assert_eq!((named.len(), counts.len()), (207, 208));
+        assert_eq!(named[0], Label::new(1, "Area 3b (PostCG)"));
+        assert_eq!(named[206], Label::new(207, "Area TeI (STG)"));
+        assert_eq!(counts[..3], [(0, 4_625_346), (1, 7596), (2, 4432)]);
     }
 }

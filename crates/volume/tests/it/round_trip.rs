@@ -244,15 +244,10 @@ fn labels_are_kept_by_nrrd_and_marked_by_nifti() {
     .unwrap();
     let labels = vec![
         Label {
-            id: 3,
-            name: "left kidney: \\upper".into(),
             color: Some([0.25, 1.0, 0.1]),
+            ..Label::new(3, "left kidney: \\upper")
         },
-        Label {
-            id: 300,
-            name: "Leber äöü".into(),
-            color: None,
-        },
+        Label::new(300, "Leber äöü"),
     ];
     let options = WriteOptions {
         compress: true,

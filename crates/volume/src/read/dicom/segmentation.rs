@@ -34,6 +34,7 @@ fn labels(set: &DataSet) -> Vec<Label> {
             id: segment.u16(tags::SEGMENT_NUMBER)?.into(),
             name: segment.description(tags::SEGMENT_LABEL).unwrap_or_default(),
             color: lab.and_then(|lab| Some(srgb_of_lab(*lab.first_chunk()?))),
+            group: None,
         })
     };
     let segments = set.items(tags::SEGMENT_SEQUENCE);
