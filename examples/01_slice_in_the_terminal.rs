@@ -1,4 +1,4 @@
-//! A slice through a head, as text: what a volume is, without any picture.
+//! Prints a slice through a head as text, to show what a volume is.
 //!
 //!     cargo run --release --example 01_slice_in_the_terminal [FILE]
 

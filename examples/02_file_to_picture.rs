@@ -1,4 +1,4 @@
-//! A scan in, a picture out. Everything else is chosen from the data.
+//! Draws a scan. The data determines all settings.
 //!
 //!     cargo run --release --example 02_file_to_picture head.nii.gz head.png
 

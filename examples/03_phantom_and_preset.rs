@@ -1,4 +1,4 @@
-//! The built-in head with a preset, seen from the patient's left.
+//! Draws the built-in head with a preset, seen from the patient's left.
 //!
 //!     cargo run --release --example 03_phantom_and_preset
 

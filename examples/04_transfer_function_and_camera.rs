@@ -1,4 +1,4 @@
-//! A look of one's own: which values are seen in which colour, from where, cut open.
+//! Sets a transfer function, a camera and a clip plane.
 //!
 //!     cargo run --release --example 04_transfer_function_and_camera
 
@@ -7,7 +7,7 @@ use strahl::{Camera, Clip, Color, Phantom, Render, TransferFunction, TransferPoi
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let color = |hex| Color::from_hex(hex);
-    // Values are Hounsfield units. Opacity is that of one reference length, so that the picture
+    // Values are Hounsfield units. Opacity refers to one reference length, so the picture
     // depends neither on the step nor on the resolution of the volume.
     let points = vec![
         TransferPoint::new(-300.0, 0.0, color("#c98a6b")?),

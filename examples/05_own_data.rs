@@ -1,4 +1,4 @@
-//! Numbers from a program of one's own as a volume: two waves that interfere.
+//! Draws data computed by a program: two interfering waves.
 //!
 //!     cargo run --release --example 05_own_data
 

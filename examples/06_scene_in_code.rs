@@ -1,4 +1,4 @@
-//! A scene in code, as JSON, and back: what a program decides, a person can edit.
+//! Makes a scene in code, writes it as JSON, and reads it back: users can edit what a program made.
 //!
 //!     cargo run --release --example 06_scene_in_code
 
@@ -6,7 +6,7 @@ use strahl::scene::{Light, VolumeSource};
 use strahl::{Background, Camera, Color, Method, Render, Scene};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    // What is not said stays open: a preset or the data decides it when the scene is drawn.
+    // Missing keys are filled in from a preset and from the data when the scene is drawn.
     let scene = Scene {
         volume: Some(VolumeSource {
             phantom: Some("anatomy".into()),

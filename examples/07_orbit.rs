@@ -1,5 +1,5 @@
-//! Once around a volume, with the layers below [`strahl::Render`]: what is made of the volume is kept, each
-//! picture is a scene, resolved into a plan, drawn, and written.
+//! Draws an orbit around a volume with the layers below [`strahl::Render`]. Derived data is kept. For each
+//! picture, a scene is resolved to a Plan, drawn, and written.
 //!
 //!     cargo run --release --example 07_orbit [PICTURES]
 
