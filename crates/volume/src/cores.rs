@@ -59,6 +59,19 @@ pub fn number() -> usize {
     1
 }
 
+/// Gives up `value` without waiting until it is gone: the system takes back a GiB in a tenth of a second, which is too long
+/// for whoever has just cancelled.
+pub fn free<T: Send + 'static>(value: T) {
+    #[cfg(feature = "threads")]
+    {
+        // Where there is no thread, it goes here.
+        let thread = std::thread::Builder::new().name("strahl-free".to_owned());
+        let _ = thread.spawn(move || drop(value));
+    }
+    #[cfg(not(feature = "threads"))]
+    drop(value);
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -15,7 +15,7 @@
 use crate::rows::for_each_row;
 use crate::{
     Cancelled, ContentId, Control, Error, ErrorKind, Key, Metadata, Rescale, Sample, Samples,
-    Volume, Work, with_samples,
+    Volume, Work, cores, with_samples,
 };
 
 /// √3 − 2.
@@ -62,15 +62,10 @@ impl Volume {
             .map_err(|_| ErrorKind::NoMemory {
                 bytes: 4 * count as u64,
             })?;
-        let rescale = self.rescale();
-        with_samples!(self.samples(), samples => for samples in samples.chunks(PIECE) {
-            control.check()?;
-            coefficients.extend(samples.iter().map(|s| rescale.value(s.to_f64()) as f32));
-        });
-        let [nx, ny, nz] = self.grid().dims();
-        along(&mut coefficients, nx, 1, control)?;
-        along(&mut coefficients, ny, nx, control)?;
-        along(&mut coefficients, nz, nx * ny, control)?;
+        if let Err(cancelled) = self.fill_with_coefficients(&mut coefficients, control) {
+            cores::free(coefficients);
+            return Err(cancelled.into());
+        }
         let metadata = Metadata {
             name: self.metadata().name.clone(),
             format: self.metadata().format.clone(),
@@ -84,6 +79,23 @@ impl Volume {
             Rescale::IDENTITY,
             metadata,
         )
+    }
+
+    /// Cancelled, it leaves anything.
+    fn fill_with_coefficients(
+        &self,
+        coefficients: &mut Vec<f32>,
+        control: &Control,
+    ) -> Result<(), Cancelled> {
+        let rescale = self.rescale();
+        with_samples!(self.samples(), samples => for samples in samples.chunks(PIECE) {
+            control.check()?;
+            coefficients.extend(samples.iter().map(|s| rescale.value(s.to_f64()) as f32));
+        });
+        let [nx, ny, nz] = self.grid().dims();
+        along(coefficients, nx, 1, control)?;
+        along(coefficients, ny, nx, control)?;
+        along(coefficients, nz, nx * ny, control)
     }
 }
 

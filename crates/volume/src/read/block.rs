@@ -8,7 +8,7 @@
 
 use super::Bytes;
 use crate::error::{Error, ErrorKind};
-use crate::{Sample, SampleType, Samples, with_samples};
+use crate::{Sample, SampleType, Samples, cores, with_samples};
 use flate2::bufread::{GzDecoder, ZlibDecoder};
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
 
@@ -138,11 +138,15 @@ impl<'a> Block<'a> {
         let expected = (count as u64)
             .checked_mul(size_of::<T>() as u64)
             .ok_or_else(|| too_large(count))?;
-        match self.encoding {
+        let appended = match self.encoding {
             Encoding::Raw => self.append_raw(into, count, expected),
             Encoding::Ascii => self.append_ascii(into, count),
             _ => self.append_packed(into, count, expected),
+        };
+        if appended.is_err() {
+            cores::free(std::mem::take(into));
         }
+        appended
     }
 
     fn append_raw<T: Sample>(
