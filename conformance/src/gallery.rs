@@ -236,11 +236,12 @@ const CHOSEN: &[(&str, &str, &str)] = &[
 ];
 
 /// Functions that need no picture of their own: every picture that says nothing shows them, or a chosen one with another
-/// name; the last two read a file beside the scene.
-const SHOWN: [(&str, &str); 7] = [
+/// name; segments, and the last two, need more than a volume.
+const SHOWN: [(&str, &str); 8] = [
     ("fetch", "stored"),
     ("gradient_input", "value"),
     ("gradient_input", "opacity"),
+    ("gradient_input", "segment"),
     ("shade", "lit"),
     ("shade", "lit_last_normal"),
     ("clip_ray", "depth"),

@@ -45,6 +45,8 @@ pub const EXCEPTIONS: &[(&str, Alike)] = &[
     ("reconstruct/nearest", alike(ROUNDING, 0.005)),
     // A value at the threshold is on either side of it.
     ("classify/threshold", alike(CANCELLED, 0.005)),
+    // A place at the border of two segments is in either.
+    ("gradient_input/segment", alike(CANCELLED, 0.005)),
     ("shade/gradient_opacity", alike(CANCELLED, 0.0)),
     ("composite/mida", alike(CANCELLED, 0.0)),
     // Whether the value crosses the threshold, and where.

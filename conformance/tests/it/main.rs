@@ -13,6 +13,7 @@ mod parameters;
 mod plans_by_hand;
 mod random;
 mod same_bytes;
+mod scene_segments;
 mod segments;
 mod sim;
 mod simple;

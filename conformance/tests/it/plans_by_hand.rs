@@ -4,7 +4,9 @@ use crate::random::Random;
 use crate::segments::{any_segments, data};
 use strahl_conformance::device;
 use strahl_evaluate::Evaluator;
-use strahl_scene::plan::{Composite, Curve, Field, MOST_LAYERS, Plan, Sampling, Segments};
+use strahl_scene::plan::{
+    Composite, Curve, Field, MOST_LAYERS, Plan, Sampling, SegmentLook, Segments,
+};
 use strahl_volume::{Control, Datasets};
 
 type Change = fn(&mut Plan);
@@ -77,7 +79,7 @@ const WHOLE: [(Change, &str); 17] = [
     ),
 ];
 
-const LABELLED: [(Change, &str); 7] = [
+const LABELLED: [(Change, &str); 6] = [
     (
         |plan| techniques(plan, Some(9)),
         "a layer asks for technique 9",
@@ -91,10 +93,6 @@ const LABELLED: [(Change, &str); 7] = [
     (
         |plan| plan.sampling = Sampling::Refine { parts: 2 },
         "sampled by the rule \"refine\"",
-    ),
-    (
-        |plan| plan.global_composite = Composite::Mip,
-        "global_composite has to be EmissionAbsorption",
     ),
     (
         |plan| plan.techniques[2].composite = Composite::BackToFront,
@@ -111,7 +109,8 @@ fn add_the_same(plan: &mut Plan) {
 /// The technique of a segment.
 fn techniques(plan: &mut Plan, technique: Option<usize>) {
     if let Segments::Labelled(labelled) = &mut plan.layers[0].segments {
-        labelled.techniques.insert(300, technique);
+        let look = technique.map_or(SegmentLook::HIDDEN, SegmentLook::of);
+        labelled.looks.insert(300, look);
     }
 }
 

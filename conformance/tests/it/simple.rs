@@ -124,7 +124,7 @@ pub fn plan(volume: &Volume, camera: PlanCamera, table: TransferTable) -> Plan {
             field: 0,
             segments: Segments::Whole { technique: 0 },
         }],
-        global_composite: Composite::EmissionAbsorption {
+        global_rule: GlobalRule::EmissionAbsorption {
             stop_at_transmittance: 0.0,
         },
         meshes: Vec::new(),

@@ -16,13 +16,14 @@ use strahl_scene::Rendered;
 use strahl_scene::plan::*;
 use strahl_scene::transfer::TransferTable;
 use strahl_shader::registry::{FUNCTIONS, Function};
-use strahl_volume::{Control, Datasets, Mesh, Samples, Volume};
+use strahl_volume::{Control, Datasets, LabelVolume, Mesh, Samples, Volume};
 
 /// What a call is made with.
 struct Case {
     volume: Volume,
     masks: Vec<Volume>,
     meshes: Vec<Mesh>,
+    labels: Vec<LabelVolume>,
     plan: Plan,
 }
 
@@ -32,7 +33,7 @@ impl Case {
             volumes: vec![self.volume.clone()],
             masks: self.masks.clone(),
             meshes: self.meshes.clone(),
-            ..Datasets::default()
+            labels: self.labels.clone(),
         }
     }
 }
@@ -90,6 +91,7 @@ fn case(function: &Function, random: &mut Random) -> Case {
     let mut case = Case {
         masks: Vec::new(),
         meshes: Vec::new(),
+        labels: Vec::new(),
         plan,
         volume,
     };
@@ -105,9 +107,38 @@ fn case(function: &Function, random: &mut Random) -> Case {
                 _ => random.pick(&[Jitter::WhiteTile(seed), Jitter::BlueTile(seed)]),
             };
         }
+        "gradient_input" if function.name == "segment" => of_segments(&mut case, random),
         _ => choose(&mut case.plan, function, random),
     }
     case
+}
+
+/// Segments of a few voxels, each lit by the head light as its border lies.
+fn of_segments(case: &mut Case, random: &mut Random) {
+    let blocks: Vec<_> = (0..64).map(|_| random.below(3) as u8).collect();
+    let [nx, ny, _] = DIMS;
+    let place = |i: usize| [i % nx / 3, i / nx % ny / 3, i / (nx * ny) / 3];
+    let id = |i: usize| blocks[place(i)[0] + 4 * (place(i)[1] + 4 * place(i)[2])];
+    let ids = Samples::U8((0..DIMS.iter().product()).map(id).collect());
+    let ids = of_samples(*case.volume.grid(), ids);
+    let labels = LabelVolume::from_volume(ids, Vec::new()).unwrap();
+    let plan = &mut case.plan;
+    plan.lights = vec![PlanLight::Head { radiance: [1.0; 3] }];
+    let technique = plan.technique_mut();
+    technique.gradient_input = GradientInput::Segment;
+    technique.shade = Shade::Lit {
+        ambient: 0.2,
+        illuminate: Illuminate::Lambert { diffuse: 0.8 },
+        keep_last_normal: false,
+    };
+    plan.layers[0].segments = Segments::Labelled(Box::new(Labelled {
+        labels: 0,
+        grid: *labels.grid(),
+        is_moved: false,
+        looks: [].into(),
+        others: SegmentLook::of(0),
+    }));
+    case.labels.push(labels);
 }
 
 /// The functions that are variants of the Plan, with random values of their parameters.

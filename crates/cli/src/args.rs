@@ -6,13 +6,13 @@ use anyhow::{Context, Result, anyhow, bail};
 use std::str::FromStr;
 use strahl::scene::plan::MOST_EDGE_PIXELS;
 use strahl::scene::{
-    BoxClip, BoxSpace, Endian, Jitter, PlaneClip, PointsIn, Quality, Reconstruct, Shading,
-    ShadingModel, ToneMap, VolumeSource,
+    AllBut, BoxClip, BoxSpace, Endian, Jitter, LabelSource, PlaneClip, PointsIn, Quality,
+    Reconstruct, SegmentChoice, SegmentUse, Shading, ShadingModel, ToneMap, VolumeSource,
 };
 use strahl::volume::SampleType;
 use strahl::volume::read::ReadOptions;
 use strahl::{
-    Backend, Background, Camera, Clip, ColorMap, Method, Projection, Scene, SceneFile,
+    Backend, Background, Camera, Clip, Color, ColorMap, Method, Projection, Scene, SceneFile,
     TransferFunction, View,
 };
 
@@ -90,6 +90,7 @@ pub fn draw_over(flags: &DrawFlags, scene: &mut Scene) -> Result<()> {
     let camera = camera_over(flags, camera)?;
     scene.camera = (camera != Camera::default()).then_some(camera);
     clips_over(flags, scene)?;
+    segments_over(flags, scene);
     if let Some(text) = &flags.size {
         let size = numbers::<u32, 2>("--size", text, "width and height, such as 1920x1080")?;
         if !size
@@ -266,6 +267,55 @@ fn camera_over(flags: &DrawFlags, scene: Camera) -> Result<Camera> {
 }
 
 const POINT: &str = "three numbers in RAS mm, such as 10,-20,35.5";
+
+/// How opaque the runs of segments are that stand around highlighted ones, and their color.
+const GLIMPSE: (f64, Color) = (0.07, Color([0.62, 0.66, 0.7]));
+
+/// The segments that are asked for; they count more than those of the scene.
+fn segments_over(flags: &DrawFlags, scene: &mut Scene) {
+    if let Some(labels) = &flags.labels {
+        let path = labels.to_string_lossy().into_owned();
+        scene.labels = Some(LabelSource { path });
+    }
+    let any = || SegmentChoice::Name("*".to_owned());
+    let of = |texts: &[String]| {
+        let choice = |text: &String| match text.parse() {
+            Ok(id) => SegmentChoice::Id(id),
+            Err(_) => SegmentChoice::Name(text.clone()),
+        };
+        SegmentChoice::List(texts.iter().map(choice).collect())
+    };
+    let used = |of, show, opacity| SegmentUse {
+        of,
+        technique: None,
+        show,
+        color: None,
+        opacity,
+        importance: None,
+    };
+    let mut uses = Vec::new();
+    if !flags.only.is_empty() {
+        uses.push(used(any(), Some(false), None));
+        uses.push(used(of(&flags.only), Some(true), None));
+    }
+    if !flags.highlight.is_empty() {
+        let (opacity, color) = GLIMPSE;
+        let not = vec![of(&flags.highlight)];
+        uses.push(SegmentUse {
+            color: Some(color),
+            ..used(SegmentChoice::But(AllBut { not }), None, Some(opacity))
+        });
+        uses.push(used(of(&flags.highlight), Some(true), Some(1.0)));
+    }
+    for (texts, show) in [(&flags.show, true), (&flags.hide, false)] {
+        if !texts.is_empty() {
+            uses.push(used(of(texts), Some(show), None));
+        }
+    }
+    if !uses.is_empty() {
+        scene.segments.get_or_insert_default().extend(uses);
+    }
+}
 
 fn clips_over(flags: &DrawFlags, scene: &mut Scene) -> Result<()> {
     let mut clips = Vec::new();

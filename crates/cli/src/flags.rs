@@ -156,6 +156,26 @@ pub struct DrawFlags {
           value_parser = PossibleValuesParser::new(ShadingModel::ALL.map(ShadingModel::name)))]
     pub shade: Option<String>,
 
+    /// Draw the segments of this label volume, each in its color
+    #[arg(long, value_name = "FILE", help_heading = "Segments")]
+    pub labels: Option<PathBuf>,
+
+    /// Draw these segments and no others: an id, or a name with * and ?; repeatable
+    #[arg(long, value_name = "SEGMENT", help_heading = "Segments")]
+    pub only: Vec<String>,
+
+    /// Draw these segments, too, 0 for the background; repeatable
+    #[arg(long, value_name = "SEGMENT", help_heading = "Segments")]
+    pub show: Vec<String>,
+
+    /// Leave out these segments; repeatable
+    #[arg(long, value_name = "SEGMENT", help_heading = "Segments")]
+    pub hide: Vec<String>,
+
+    /// Draw these segments solid and all others as a glimpse; repeatable
+    #[arg(long, value_name = "SEGMENT", help_heading = "Segments")]
+    pub highlight: Vec<String>,
+
     /// Keep the side of a plane that its normal points to: the normal (RAS), and the plane's distance
     /// from the world's origin in mm (without, it goes through the volume's centre); repeatable
     #[arg(long, value_name = "X,Y,Z[,MM]", allow_hyphen_values = true)]

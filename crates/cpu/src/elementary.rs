@@ -107,6 +107,40 @@ pub fn power_of_cosine<S: Level>(x: F32s<S>, e: f32) -> F32s<S> {
     usable.select(power, F32s::zero())
 }
 
+/// x^e for x ≥ 0 and e ≥ 0, at most 1e30; 1 for e = 0.
+#[inline(always)]
+pub fn power<S: Level>(x: F32s<S>, e: f32) -> F32s<S> {
+    let one = F32s::splat(1.0);
+    if e == 0.0 {
+        return one;
+    }
+    let is_large = one.lt(x);
+    let power = power_of_cosine(is_large.select(one.over(x), x), e);
+    is_large.select(one.over(power.max(F32s::splat(1e-30))), power)
+}
+
+/// x^e for x in [0, 1] and e ≥ 0; 1 for e = 0.
+#[inline(always)]
+pub fn powers_of_share<S: Level>(x: F32s<S>, e: F32s<S>) -> F32s<S> {
+    let (zero, one, tiny) = (F32s::zero(), F32s::splat(1.0), F32s::splat(1e-30));
+    let logarithm = ln(x.max(tiny)).min(zero);
+    let power = exp_of_negative(logarithm * e);
+    let power = tiny.lt(x).select(power, zero);
+    e.le(zero).select(one, power)
+}
+
+/// e^y for y ≤ 0.
+#[inline(always)]
+pub fn exp_of_negative<S: Level>(y: F32s<S>) -> F32s<S> {
+    exp_m1(y) + F32s::splat(1.0)
+}
+
+/// The logarithm of x in (0, 1], 0 for what is larger.
+#[inline(always)]
+pub fn ln_of_share<S: Level>(x: F32s<S>) -> F32s<S> {
+    ln(x.max(F32s::splat(1e-37))).min(F32s::zero())
+}
+
 /// x^e for x in [0, 1] and e ≥ 1, by squaring.
 #[inline(always)]
 fn whole_power_of_cosine<S: Level>(x: F32s<S>, e: u32) -> F32s<S> {
@@ -175,6 +209,28 @@ mod tests {
                 assert!(
                     (got - want).abs() <= 1e-5 * want + 1e-7,
                     "{x}^{e}: {got} instead of {want}"
+                );
+            }
+        }
+    }
+    #[test]
+    fn powers_match_double_precision() {
+        for e in [0.0f32, 0.1, 0.6, 0.8, 1.0, 3.0, 20.0] {
+            for i in 0..=2_000 {
+                let x = i as f32 / 100.0;
+                let got = f64::from(power(F32s::<Portable>::splat(x), e).lane(0));
+                let want = f64::from(x).powf(f64::from(e)).min(1e30);
+                assert!(
+                    (got - want).abs() <= 3e-5 * want + 1e-7,
+                    "{x}^{e}: {got} instead of {want}"
+                );
+                let share = x / 20.0;
+                let all = F32s::<Portable>::splat;
+                let got = f64::from(powers_of_share(all(share), all(e)).lane(0));
+                let want = f64::from(share).powf(f64::from(e));
+                assert!(
+                    (got - want).abs() <= 1e-5 * want + 1e-7,
+                    "{share}^{e}: {got} instead of {want}"
                 );
             }
         }

@@ -32,6 +32,7 @@ mod doubles;
 mod elementary;
 mod error;
 mod even;
+mod hidden_segments;
 #[cfg(feature = "bench-kernels")]
 #[doc(hidden)]
 pub mod kernels;

@@ -4,6 +4,7 @@ use crate::brick_number::EDGE;
 use crate::clipped::Clipped;
 use crate::error::Error;
 use crate::even::EvenCubes;
+use crate::hidden_segments::hidden_segments;
 use crate::levels::Level;
 use crate::library::classify::Integrals;
 use crate::library::composite::{Rule, with_rule};
@@ -30,10 +31,12 @@ use strahl_volume::{
 /// What the objects of a Plan are drawn from, and what is known of it.
 pub struct Prepared {
     sources: Vec<Source>,
-    known: Vec<Known>,
+    known: Vec<Known<'static>>,
     masks: Vec<Volume>,
     /// Of the label volume whose segments are drawn.
     label_numbers: Option<Arc<LabelNumbers>>,
+    /// Where its segments are all hidden.
+    hidden: Option<Arc<Skip>>,
     jitters: Jitters,
     meshes: Meshes,
     /// For bricks, and for the rest.
@@ -67,11 +70,20 @@ impl Prepared {
             });
             sources.push(reading.source);
         }
+        let label_numbers = label_numbers(making, data, plan)?;
+        let hidden = match (plan.labelled(), label_numbers.as_deref()) {
+            (Some(labelled), Some(numbers)) if skips => {
+                let id = data.labels[labelled.labels].content_id();
+                hidden_segments(making, plan, (id, numbers))?
+            }
+            _ => None,
+        };
         Ok(Prepared {
             sources,
             known,
             masks: data.masks.clone(),
-            label_numbers: label_numbers(making, data, plan)?,
+            label_numbers,
+            hidden,
             jitters: Jitters::find(plan.lattice.jitter, making.store, making.control)?,
             meshes: Meshes::new(making, &data.meshes)?,
             bricks_seconds,
@@ -93,7 +105,7 @@ impl Prepared {
         let values: Vec<_> = of_layers
             .map(|(source, field)| values_of(source, field))
             .collect();
-        let object = |(index, known): (usize, Known)| {
+        let object = |(index, known): (usize, Known<'static>)| {
             let technique = plan.technique_of(index);
             let field = plan.field_of(index);
             let is_plain =
@@ -112,12 +124,17 @@ impl Prepared {
                 known,
             )
         };
+        let numbers = self.label_numbers.as_deref();
+        let segments =
+            numbers.and_then(|numbers| SegmentNumbers::new(plan, numbers, self.hidden.clone()));
+        let segments = segments.map(Arc::new);
         let of_segments = |technique| {
-            let known = Known::default();
+            let known = Known {
+                segments: segments.clone(),
+                ..Known::default()
+            };
             Object::new(plan, 0, technique, &*values[0], None, &masks, known)
         };
-        let numbers = self.label_numbers.as_deref();
-        let segments = numbers.and_then(|numbers| SegmentNumbers::new(plan, numbers));
         draw(&Scenery {
             plan,
             objects: match &segments {
@@ -198,7 +215,7 @@ impl Reading {
         plan: &Plan,
         layer: usize,
         skips: bool,
-    ) -> Result<Known, Error> {
+    ) -> Result<Known<'static>, Error> {
         let (bricks, of) = (&*self.bricks, (plan, layer));
         let contribution = ContributionOf::new(plan, layer, self.source.volume.id(), bricks);
         let clipped = Clipped::new(making, masks, bricks, plan, layer)?;
@@ -216,6 +233,7 @@ impl Reading {
             false => None,
         };
         Ok(Known {
+            segments: None,
             skip: skip.filter(|_| is_whole || !plan.sampling.is_of_segments()),
             rejection: rejection.and_then(|of_cubic| {
                 Rejection::new(of_cubic, plan, layer, self.source.rescale, sees)

@@ -63,6 +63,10 @@ pub struct RayState {
     pub seen_color: [f32; 3],
     /// … and how opaque they are.
     pub seen_alpha: f32,
+    /// What their rule remembers: the largest luminance, or the importance so far …
+    pub seen_weight: f32,
+    /// … and the number of those that are not transparent, or whether there was one: 1.
+    pub seen_runs: u32,
     /// Lattice coordinate of the first hit among them …
     pub hit_place: f32,
     /// … if there was one: 1.
@@ -76,7 +80,7 @@ pub struct RayState {
 }
 
 /// The numbers of a [`RayState`].
-pub const NUMBERS: usize = 31;
+pub const NUMBERS: usize = 33;
 
 impl RayState {
     /// All numbers, each exact: counts are at most 2^24.
@@ -113,6 +117,8 @@ impl RayState {
             seen_g,
             seen_b,
             self.seen_alpha,
+            self.seen_weight,
+            self.seen_runs as f32,
             self.hit_place,
             self.has_hit as f32,
             self.samples as f32,
@@ -150,6 +156,8 @@ impl RayState {
             seen_g,
             seen_b,
             seen_alpha,
+            seen_weight,
+            seen_runs,
             hit_place,
             has_hit,
             samples,
@@ -173,6 +181,8 @@ impl RayState {
             technique: technique as u32,
             seen_color: [seen_r, seen_g, seen_b],
             seen_alpha,
+            seen_weight,
+            seen_runs: seen_runs as u32,
             hit_place,
             has_hit: has_hit as u32,
             samples: samples as u32,

@@ -28,7 +28,7 @@ pub struct Scenery<'p, S: Level> {
     /// One for each layer; where there are segments, one for each technique, all of the same field.
     pub objects: Vec<Object<'p, S>>,
     /// The segments of the layer, where those of a label volume are drawn.
-    pub segments: Option<SegmentNumbers<'p>>,
+    pub segments: Option<Arc<SegmentNumbers<'p>>>,
     pub jitters: Jitters,
     pub meshes: &'p Meshes,
 }
@@ -42,6 +42,8 @@ pub struct Object<'p, S: Level> {
     pub table: Table<'p>,
     pub gradients: Gradients,
     gradient_input: GradientInput,
+    /// Those that gradients of segments are found in.
+    segments: Option<Arc<SegmentNumbers<'p>>>,
     pub skip: Option<Skip>,
     /// Which samples need not be reconstructed, where that takes many voxels.
     pub rejection: Option<Rejection>,
@@ -65,7 +67,8 @@ pub struct Object<'p, S: Level> {
 
 /// What is known of an object, as [`Object`] has it.
 #[derive(Default)]
-pub struct Known {
+pub struct Known<'p> {
+    pub segments: Option<Arc<SegmentNumbers<'p>>>,
     pub skip: Option<Skip>,
     pub rejection: Option<Rejection>,
     pub even: Option<EvenCubes>,
@@ -131,9 +134,10 @@ impl<'p, S: Level> Object<'p, S> {
         values: &'p dyn Values<S>,
         stored: Option<Stored<'p>>,
         masks: &'p [Box<dyn Values<S> + 'p>],
-        known: Known,
+        known: Known<'p>,
     ) -> Object<'p, S> {
         let Known {
+            segments,
             skip,
             rejection,
             even,
@@ -151,6 +155,7 @@ impl<'p, S: Level> Object<'p, S> {
             table: Table::new(table),
             gradients: Gradients::new(field.gradient, &field.grid),
             gradient_input: technique.gradient_input,
+            segments,
             skip,
             rejection,
             even,
@@ -269,6 +274,15 @@ impl<'p, S: Level> Object<'p, S> {
                     let opacity = |at| self.opacity_at(at, asked);
                     self.gradients.of(&opacity, position)
                 }
+                GradientInput::Segment => match &self.segments {
+                    Some(segments) => {
+                        let here = segments.at(position);
+                        let membership = |at| segments.membership(at, here);
+                        self.gradients.of(&membership, position)
+                    }
+                    // Everything is one.
+                    None => [F32s::zero(); 3],
+                },
             },
         )
     }
@@ -321,7 +335,10 @@ impl<'p, S: Level> Object<'p, S> {
         let visible = sampled & F32s::zero().lt(surface.opacity);
         if visible.any() {
             if !self.shading.is_unlit() {
-                surface = self.shade(surface, position, to_eye, visible, last_normal);
+                // A copy: no call is given the address of a part of the state, which may then stay in registers.
+                let mut normal = *last_normal;
+                surface = self.shade(surface, position, to_eye, visible, &mut normal);
+                *last_normal = normal;
             }
             surface.opacity = self.of_step(surface.opacity);
         }

@@ -210,15 +210,36 @@ impl Key for KnowledgeOf {
 
     fn bytes(&self, value: &Knowledge) -> usize {
         let own = self.contribution.table_bytes();
-        own + match value {
+        own + value.bytes()
+    }
+}
+
+impl Knowledge {
+    fn bytes(&self) -> usize {
+        match self {
             Knowledge::Nothing => 0,
             Knowledge::Cubes(cubes) => cubes.len(),
             Knowledge::Bounds(bounds) => 2 * bounds.largest.len(),
         }
     }
-}
 
-impl Knowledge {
+    fn of_visible(
+        dims: [usize; 3],
+        visible: &[bool],
+        control: &Control,
+    ) -> Result<Knowledge, Cancelled> {
+        let number = visible.len();
+        let mut cubes = vec![0; 8 * number + 3];
+        // For all directions: whoever turns the camera makes nothing anew.
+        let pairs = cubes[..8 * number].chunks_exact_mut(2 * number);
+        cores::try_for_each(
+            pairs.enumerate(),
+            || (),
+            |(), (pair, cubes)| find_cubes(dims, visible, pair, cubes, control),
+        )?;
+        Ok(Knowledge::Cubes(cubes))
+    }
+
     fn new(
         bricks: &Bricks,
         contribution: Contribution,
@@ -227,18 +248,7 @@ impl Knowledge {
         let dims = bricks.dims();
         Ok(match contribution {
             Contribution::Every => Knowledge::Nothing,
-            Contribution::Visible(visible) => {
-                let number = visible.len();
-                let mut cubes = vec![0; 8 * number + 3];
-                // For all directions: whoever turns the camera makes nothing anew.
-                let pairs = cubes[..8 * number].chunks_exact_mut(2 * number);
-                cores::try_for_each(
-                    pairs.enumerate(),
-                    || (),
-                    |(), (pair, cubes)| find_cubes(dims, &visible, pair, cubes, control),
-                )?;
-                Knowledge::Cubes(cubes)
-            }
+            Contribution::Visible(visible) => Knowledge::of_visible(dims, &visible, control)?,
             Contribution::Largest(values) => Knowledge::Bounds(Bounds::new(dims, values, false)),
             Contribution::Smallest(values) => {
                 let negatives = values.into_iter().map(|value| -value).collect();
@@ -311,6 +321,23 @@ impl Skip {
             dims: bricks.dims().map(|n| n as i32),
             bricks: knowledge,
         }))
+    }
+
+    /// Leaves out all bricks but the `visible` ones; there are `dims` of them.
+    pub fn of_visible(
+        dims: [usize; 3],
+        visible: &[bool],
+        control: &Control,
+    ) -> Result<Skip, Cancelled> {
+        Ok(Skip {
+            dims: dims.map(|n| n as i32),
+            bricks: Arc::new(Knowledge::of_visible(dims, visible, control)?),
+        })
+    }
+
+    /// How much memory it takes.
+    pub fn bytes(&self) -> usize {
+        self.bricks.bytes()
     }
 
     /// Whether what is known are cubes.

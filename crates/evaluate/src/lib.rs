@@ -340,11 +340,11 @@ impl<'a> Scenery<'a> {
                     Ok(Resource::Texture(labels?))
                 }
                 bindings::SEGMENTS => {
-                    let techniques = segments.as_ref().map(|s| s.techniques.clone());
-                    let techniques = techniques.unwrap_or(vec![0]);
-                    let width = TABLE_ROW.min(techniques.len() as u32);
-                    let size = [width, techniques.len() as u32 / width, 1];
-                    let numbers = Numbers::U32(techniques.into());
+                    let entries = segments.as_ref().map(|s| s.entries.clone());
+                    let entries = entries.unwrap_or(vec![0]);
+                    let width = TABLE_ROW.min(entries.len() as u32);
+                    let size = [width, entries.len() as u32 / width, 1];
+                    let numbers = Numbers::U32(entries.into());
                     Ok(Resource::Texture(Texture::new(size, 1, numbers)?))
                 }
                 bindings::PAGES => Err(Error::NotCovered {

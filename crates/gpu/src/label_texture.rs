@@ -25,7 +25,7 @@ impl LabelTexture {
         if dims.iter().any(|n| *n > most as usize) {
             return Err(Error::LabelsTooLarge { dims, most });
         }
-        let LabelNumbers { ids, numbers } = numbers;
+        let LabelNumbers { ids, numbers, .. } = numbers;
         let (format, bytes): (_, &[u8]) = match numbers {
             LabelIds::U8(numbers) => (wgpu::TextureFormat::R8Uint, numbers),
             LabelIds::U16(numbers) => (wgpu::TextureFormat::R16Uint, bytemuck::cast_slice(numbers)),

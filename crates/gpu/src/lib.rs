@@ -622,17 +622,17 @@ impl Renderer {
         let labels = data.labels.as_deref();
         let segments = labels.and_then(|labels| SegmentTable::of(plan, &labels.ids));
         let tables = self.tables(plan, &mut objects, segments.as_ref())?;
-        let techniques = segments.as_ref().map_or(&[0; 1][..], |s| &s.techniques);
-        let techniques = self.texture(
+        let entries = segments.as_ref().map_or(&[0; 1][..], |s| &s.entries);
+        let segment_entries = self.texture(
             "segments",
             wgpu::TextureDimension::D2,
             wgpu::TextureFormat::R32Uint,
             [
-                TABLE_ROW.min(techniques.len() as u32),
-                (techniques.len() as u32).div_ceil(TABLE_ROW),
+                TABLE_ROW.min(entries.len() as u32),
+                (entries.len() as u32).div_ceil(TABLE_ROW),
                 1,
             ],
-            bytemuck::cast_slice(techniques),
+            bytemuck::cast_slice(entries),
         );
         let bricks = self.bricks(plan, &mut objects, &data, control)?;
         let pages = self.pages(plan, &mut objects, &data);
@@ -681,7 +681,7 @@ impl Renderer {
                     bindings::NOISE_TILE => TextureView(&tile),
                     bindings::PAGES => TextureView(&pages),
                     bindings::LABELS => TextureView(labels.map_or(&bricks, |l| &l.view)),
-                    bindings::SEGMENTS => TextureView(&techniques),
+                    bindings::SEGMENTS => TextureView(&segment_entries),
                     bindings::OPAQUE_MM | bindings::OPAQUE_COLOR => match &geometry {
                         Some(geometry) if binding == bindings::OPAQUE_MM => {
                             TextureView(&geometry.distance.view)

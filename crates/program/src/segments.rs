@@ -1,17 +1,18 @@
 //! Which segments a Plan draws by which techniques, as programs read it.
 
 use crate::frame::rows;
-use strahl_scene::plan::{Composite, NumberedSegments, Plan};
+use strahl_scene::plan::{GlobalRule, NumberedSegments, Plan};
 use strahl_shader::TABLE_ROW;
 
 /// Where segments are found, and which technique each has.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SegmentTable {
     /// The rows of the map from the voxels of the field to those of the label volume; the number of the segment
-    /// beyond its extent, and below which transmittance a ray ends.
+    /// beyond its extent, below which transmittance a ray ends, how runs become a pixel, and the largest importance.
     pub(crate) found_by: [[f32; 4]; 4],
-    /// By the number of a segment its technique, from 1; 0 hides it. Whole rows of [`TABLE_ROW`] entries.
-    pub techniques: Vec<u32>,
+    /// Six for each segment, by its number: its technique, from 1, 0 if it is hidden; then the bits of
+    /// what its runs, premultiplied, are multiplied by, and of their importance. Whole rows of [`TABLE_ROW`] entries.
+    pub entries: Vec<u32>,
 }
 
 impl SegmentTable {
@@ -19,20 +20,30 @@ impl SegmentTable {
     pub fn of(plan: &Plan, ids: &[u32]) -> Option<SegmentTable> {
         let labelled = plan.labelled()?;
         let NumberedSegments {
-            mut techniques,
+            techniques,
+            factors,
+            importances,
             outside,
         } = labelled.numbered(ids);
-        techniques.resize(techniques.len().next_multiple_of(TABLE_ROW as usize), 0);
-        let [x, y, z] = rows(&labelled.label_from_voxel(plan.field()));
-        let stop = match plan.global_composite {
-            Composite::EmissionAbsorption {
-                stop_at_transmittance,
-            } => stop_at_transmittance,
-            _ => 0.0,
+        let entry = |i: usize| {
+            let [r, g, b, a] = factors[i].map(f32::to_bits);
+            [techniques[i], r, g, b, a, importances[i].to_bits()]
         };
+        let mut entries: Vec<_> = (0..techniques.len()).flat_map(entry).collect();
+        entries.resize(entries.len().next_multiple_of(TABLE_ROW as usize), 0);
+        let [x, y, z] = rows(&labelled.label_from_voxel(plan.field()));
+        let most = importances.iter().fold(0.0f32, |most, own| most.max(*own));
+        let rule = match plan.global_rule {
+            GlobalRule::EmissionAbsorption { .. } => 0.0,
+            GlobalRule::Mip => 1.0,
+            GlobalRule::Average => 2.0,
+            GlobalRule::First => 3.0,
+            GlobalRule::ImportanceAware => 4.0,
+        };
+        let stop = plan.global_rule.stop_at_transmittance();
         Some(SegmentTable {
-            found_by: [x, y, z, [outside as f32, stop, 0.0, 0.0]],
-            techniques,
+            found_by: [x, y, z, [outside as f32, stop, rule, most]],
+            entries,
         })
     }
 }

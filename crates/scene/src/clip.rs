@@ -440,7 +440,7 @@ impl MaskClip {
                     LabelName::Id(id) => id.to_string(),
                     LabelName::Name(name) => format!("{name:?}"),
                 };
-                let allowed = format!("a label of {}: {}", self.path, listed(&known, labels));
+                let allowed = format!("a label of {}: {}", self.path, listed(known, labels));
                 checker.add(format!("{path}.mask.labels[{i}]"), value, &allowed);
             }
             ids.extend(id);

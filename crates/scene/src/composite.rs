@@ -114,6 +114,7 @@ impl SettledComposite {
             "low" => low,
             "high" => high,
             "white" | "white_per_mm" => f64::from(span),
+            "full_per_mm" => (0.5 * steep_per_mm(header)).max(1e-30),
             "near_mm" => black,
             "far_mm" => white,
             other => function.map_or(0.0, |function| function.default_of(other)),

@@ -54,8 +54,15 @@ impl Plan {
             match &layer.segments {
                 Segments::Whole { technique: number } => technique(*number)?,
                 Segments::Labelled(labelled) => {
-                    let named = labelled.techniques.values().chain([&labelled.others]);
-                    named.flatten().try_for_each(|number| technique(*number))?;
+                    for look in labelled.looks.values().chain([&labelled.others]) {
+                        look.technique.map_or(Ok(()), technique)?;
+                        let numbers = look.tint.into_iter().chain([look.opacity, look.importance]);
+                        if !numbers.fold(true, |all, n| all && n.is_finite() && n >= 0.0) {
+                            return Err(format!(
+                                "a segment is drawn as {look:?}: its numbers have to be finite and not negative"
+                            ));
+                        }
+                    }
                     technique(0)?;
                     self.check_segments()?;
                 }
@@ -81,9 +88,6 @@ impl Plan {
             return Err(format!(
                 "segments of a label volume are sampled by the rule {rule:?}; they are by \"regular\" only"
             ));
-        }
-        if !matches!(self.global_composite, Composite::EmissionAbsorption { .. }) {
-            return Err("global_composite has to be EmissionAbsorption".to_owned());
         }
         let local = |composite: Composite| composite.is_local();
         match self.techniques.iter().all(|t| local(t.composite)) {

@@ -4,21 +4,50 @@ use glam::DVec3;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use strahl_shader::Module;
-use strahl_volume::{Grid, VolumeHeader};
+use strahl_volume::{Grid, Label, LabelVolume, VolumeHeader};
 
 /// Headers of the data that a scene names, each list in the order in which the scene names it.
 #[derive(Clone, Debug)]
 pub struct Headers {
     /// Of the scene's own volume, then of each object that has a volume of its own.
     pub volumes: Vec<VolumeHeader>,
-    /// The grid of the labels, if the scene names them.
-    pub labels: Option<Grid>,
+    /// Of the labels, if the scene names them.
+    pub labels: Option<LabelHeader>,
     /// The grid of each mask.
     pub masks: Vec<Grid>,
     /// Opposite corners of the box around each mesh, in its own mm.
     pub meshes: Vec<[DVec3; 2]>,
     /// The shader functions in files, by the text that names them.
     pub modules: BTreeMap<String, Arc<Module>>,
+}
+
+/// What is known of a label volume.
+#[derive(Clone, Debug)]
+pub struct LabelHeader {
+    /// Its grid.
+    pub grid: Grid,
+    /// The segments that have names.
+    pub labels: Vec<Label>,
+    /// The ids that voxels have or names belong to, ascending.
+    pub ids: Vec<u32>,
+}
+
+impl LabelHeader {
+    /// The ids with what is known of them.
+    pub(crate) fn segments(&self) -> impl Iterator<Item = (u32, Option<&Label>)> {
+        let label = |id: u32| self.labels.iter().find(|label| label.id == id);
+        self.ids.iter().map(move |&id| (id, label(id)))
+    }
+}
+
+impl From<&LabelVolume> for LabelHeader {
+    fn from(labels: &LabelVolume) -> LabelHeader {
+        LabelHeader {
+            grid: *labels.grid(),
+            labels: labels.labels().to_vec(),
+            ids: labels.known_ids().to_vec(),
+        }
+    }
 }
 
 impl From<VolumeHeader> for Headers {

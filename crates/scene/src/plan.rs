@@ -33,9 +33,8 @@ pub struct Plan {
     /// Which fields are drawn by which techniques, 1 to [`MOST_LAYERS`]; more than one only with composites
     /// that [mix](Composite::mixes_layers).
     pub layers: Vec<Layer>,
-    /// How runs of segments add up, where a layer has segments of a label volume:
-    /// [`EmissionAbsorption`](Composite::EmissionAbsorption). Without them nothing asks for it.
-    pub global_composite: Composite,
+    /// How runs of segments become a pixel, where a layer has segments of a label volume. Without them nothing asks for it.
+    pub global_rule: GlobalRule,
     /// Opaque surfaces among them, any number.
     pub meshes: Vec<PlanMesh>,
     /// Where along the ray samples lie.
@@ -141,7 +140,7 @@ pub enum Segments {
 /// The segments of a label volume. Beyond its extent is the segment with id 0.
 ///
 /// ```
-/// use strahl_scene::plan::{Composite, Labelled, Segments};
+/// use strahl_scene::plan::{Composite, Labelled, SegmentLook, Segments};
 /// use strahl_scene::{Scene, resolve};
 /// use strahl_volume::{Datasets, Phantom};
 ///
@@ -157,8 +156,8 @@ pub enum Segments {
 ///     labels: 0,
 ///     grid: *labels.grid(),
 ///     is_moved: false,
-///     techniques: [(0, None), (1, Some(1))].into(),
-///     others: Some(0),
+///     looks: [(0, SegmentLook::HIDDEN), (1, SegmentLook::of(1))].into(),
+///     others: SegmentLook::of(0),
 /// }));
 /// let data = Datasets { labels: vec![labels], ..Datasets::from(&volume) };
 /// plan.check(&data)?;
@@ -172,10 +171,77 @@ pub struct Labelled {
     pub grid: Grid,
     /// Whether there are transforms: without, `grid` is the label volume's own.
     pub is_moved: bool,
-    /// By which technique the segment with an id is drawn; `None` hides it.
-    pub techniques: BTreeMap<u32, Option<usize>>,
+    /// How the segment with an id is drawn.
+    pub looks: BTreeMap<u32, SegmentLook>,
     /// The same for all other ids.
-    pub others: Option<usize>,
+    pub others: SegmentLook,
+}
+
+/// How a segment is drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SegmentLook {
+    /// By which of the techniques; `None` hides the segment.
+    pub technique: Option<usize>,
+    /// What the colour of each of its runs is multiplied by; in the space of `compositing`.
+    pub tint: [f32; 3],
+    /// What the opacity of each of its runs is multiplied by, 0 to 1.
+    pub opacity: f32,
+    /// Of its runs, for [`GlobalRule::ImportanceAware`]; 0 or more.
+    pub importance: f32,
+}
+
+/// How runs of segments become a pixel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum GlobalRule {
+    /// Each run hides what is behind it by its opacity.
+    EmissionAbsorption {
+        /// The ray ends when less than this share of light still passes, 0 to 1.
+        stop_at_transmittance: f32,
+    },
+    /// The run of the largest luminance, premultiplied.
+    Mip,
+    /// The mean of all runs that are not transparent, premultiplied.
+    Average,
+    /// The first run that is not transparent.
+    First,
+    /// Runs of important segments show through what lies before them: [`Composite::ImportanceAware`] over runs.
+    ImportanceAware,
+}
+
+impl GlobalRule {
+    /// The share of light at which a ray ends whatever its segments are.
+    pub fn stop_at_transmittance(self) -> f32 {
+        match self {
+            GlobalRule::EmissionAbsorption {
+                stop_at_transmittance,
+            } => stop_at_transmittance,
+            _ => 0.0,
+        }
+    }
+}
+
+impl SegmentLook {
+    /// That of a segment that is not drawn.
+    pub const HIDDEN: SegmentLook = SegmentLook {
+        technique: None,
+        tint: [1.0; 3],
+        opacity: 1.0,
+        importance: 0.0,
+    };
+
+    /// That of a segment as technique number `technique` draws it.
+    pub const fn of(technique: usize) -> SegmentLook {
+        SegmentLook {
+            technique: Some(technique),
+            ..SegmentLook::HIDDEN
+        }
+    }
+
+    /// What the runs, premultiplied, are multiplied by.
+    fn factors(&self) -> [f32; 4] {
+        let [r, g, b] = self.tint.map(|channel| channel * self.opacity);
+        [r, g, b, self.opacity]
+    }
 }
 
 /// Segments by the numbers that label volumes have in place of ids.
@@ -183,6 +249,10 @@ pub struct Labelled {
 pub struct NumberedSegments {
     /// By the number of a segment its technique, counted from 1; 0 hides it.
     pub techniques: Vec<u32>,
+    /// By the number of a segment what its runs, premultiplied, are multiplied by: tint and opacity.
+    pub factors: Vec<[f32; 4]>,
+    /// By the number of a segment the importance of its runs.
+    pub importances: Vec<f32>,
     /// The number of the segment beyond the extent of the label volume.
     pub outside: u32,
 }
@@ -202,19 +272,20 @@ impl Labelled {
         // Beyond the extent is id 0, whether a voxel has it or not.
         let outside = ids.iter().position(|id| *id == 0).unwrap_or(ids.len());
         let drawn = ids.iter().chain((outside == ids.len()).then_some(&0));
-        let technique = |id: &u32| {
-            self.technique_of(*id)
-                .map_or(0, |technique| technique as u32 + 1)
-        };
+        let looks: Vec<_> = drawn.map(|id| self.look_of(*id)).collect();
+        let technique =
+            |look: &SegmentLook| look.technique.map_or(0, |technique| technique as u32 + 1);
         NumberedSegments {
-            techniques: drawn.map(technique).collect(),
+            techniques: looks.iter().map(technique).collect(),
+            factors: looks.iter().map(SegmentLook::factors).collect(),
+            importances: looks.iter().map(|look| look.importance).collect(),
             outside: outside as u32,
         }
     }
 
-    /// The technique by which the segment with this id is drawn; `None` if it is hidden.
-    pub fn technique_of(&self, id: u32) -> Option<usize> {
-        self.techniques.get(&id).copied().unwrap_or(self.others)
+    /// How the segment with this id is drawn.
+    pub fn look_of(&self, id: u32) -> SegmentLook {
+        self.looks.get(&id).copied().unwrap_or(self.others)
     }
 }
 
@@ -291,7 +362,9 @@ impl Plan {
     /// How all that a ray meets adds up: the rule of the one technique, or that of runs of segments.
     pub fn composite(&self) -> Composite {
         match self.labelled() {
-            Some(_) => self.global_composite,
+            Some(_) => Composite::EmissionAbsorption {
+                stop_at_transmittance: self.global_rule.stop_at_transmittance(),
+            },
             None => self.technique().composite,
         }
     }
@@ -392,6 +465,34 @@ pub struct Ray {
 }
 
 impl PlanCamera {
+    /// How far from the start of its ray what is nearest in the box of `grid` is, and what is farthest.
+    pub fn depths_mm(&self, grid: &Grid) -> [f64; 2] {
+        let (low, high) = grid.bounds_mm();
+        let corners = (0..8).map(|i| {
+            let at = |axis: usize| {
+                if i >> axis & 1 == 0 {
+                    low[axis]
+                } else {
+                    high[axis]
+                }
+            };
+            DVec3::new(at(0), at(1), at(2))
+        });
+        let depth = |corner: DVec3| match self.projection {
+            Projection::Perspective { .. } => corner.distance(self.eye_mm),
+            Projection::Orthographic { .. } => (corner - self.eye_mm).dot(self.forward).max(0.0),
+        };
+        let (mut near, mut far) = (f64::INFINITY, 0.0f64);
+        for corner in corners {
+            (near, far) = (near.min(depth(corner)), far.max(depth(corner)));
+        }
+        if let Projection::Perspective { .. } = self.projection {
+            // A face may be nearer than all corners.
+            near = self.eye_mm.clamp(low, high).distance(self.eye_mm);
+        }
+        [near, far]
+    }
+
     /// The ray through the centre of the pixel in column `x`, row `y` of a `width` × `height`
     /// picture (row 0 is the top).
     pub fn ray(&self, x: u32, y: u32, width: u32, height: u32) -> Ray {

@@ -24,7 +24,7 @@ macro_rules! preset {
     };
 }
 
-static PRESETS: [PresetInfo; 11] = [
+static PRESETS: [PresetInfo; 13] = [
     preset!(
         "ct-bone",
         "CT: bone and contrast medium, soft tissue left away"
@@ -50,6 +50,14 @@ static PRESETS: [PresetInfo; 11] = [
     preset!(
         "grey",
         "any volume: grey, from transparent to opaque over the window"
+    ),
+    preset!(
+        "ghost",
+        "any volume or its segments: lit surfaces transparent, contours and the inside visible"
+    ),
+    preset!(
+        "context",
+        "volumes with labels: solid bones, everything else as a ghost around them"
     ),
     preset!("mip", "any volume: largest value of each ray"),
     preset!(

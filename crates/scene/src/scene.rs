@@ -4,8 +4,8 @@ use crate::plan;
 use crate::problem::{Checker, Number, Within};
 use crate::{
     Background, Camera, Clip, DebugView, FunctionUse, GradientInput, GradientMethod, GraphText,
-    Light, Method, Placement, Reconstruct, Sampling, SceneObject, Shading, TransferFunction,
-    VolumeSource,
+    LabelSource, Light, Method, Placement, Reconstruct, Sampling, SceneObject, SegmentComposite,
+    SegmentTechnique, SegmentUse, Shading, TransferFunction, VolumeSource,
 };
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
@@ -31,9 +31,18 @@ pub struct Scene {
     /// What is drawn beside the volume: further volumes, meshes, groups.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub objects: Option<Vec<SceneObject>>,
-    /// Object ids on the grid of the volume.
+    /// Object ids, on the grid of the volume or another one: each segment is drawn as `segments` says.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub labels: Option<LabelSource>,
+    /// How segments can be drawn, by name. `solid` and `scene` are always there.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub techniques: Option<BTreeMap<String, SegmentTechnique>>,
+    /// Which segments are drawn how; later entries count more. Without, all but the background are solid in their colors.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub segments: Option<Vec<SegmentUse>>,
+    /// How the runs of segments become a pixel; default `emission-absorption`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub composite: Option<SegmentComposite>,
     /// Name of the preset that fills in what is not said; without, it is chosen from the volume.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub preset: Option<String>,
@@ -114,15 +123,6 @@ pub struct Scene {
     /// How linear light becomes a picture file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub display: Option<Display>,
-}
-
-/// Where the object ids come from. Their grid must be the volume's.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
-#[serde(deny_unknown_fields)]
-pub struct LabelSource {
-    /// File, relative to the folder of the scene file.
-    pub path: String,
 }
 
 /// From the cheapest to the best: the four settings that S0's measurements are made with.

@@ -156,6 +156,11 @@ impl Settled {
             gradient: SettledGradient::new(
                 scene.gradient.unwrap_or_default(),
                 of_quality.gradient.unwrap_or_default(),
+                // Borders of label voxels are stairs: the smoothest of the estimates over few voxels.
+                match headers.labels {
+                    Some(_) => GradientMethod::Sobel,
+                    None => GradientMethod::Central,
+                },
             ),
             step: Step::settled(scene, checker),
             sampling: scene.sampling.unwrap_or_default().settled(checker),
@@ -232,12 +237,9 @@ impl Settled {
 }
 
 impl SettledGradient {
-    fn new(own: Gradient, quality: Gradient) -> SettledGradient {
+    fn new(own: Gradient, quality: Gradient, default: GradientMethod) -> SettledGradient {
         SettledGradient {
-            method: own
-                .method
-                .or(quality.method)
-                .unwrap_or(GradientMethod::Central),
+            method: own.method.or(quality.method).unwrap_or(default),
             of: own.of.unwrap_or(GradientInput::Value),
         }
     }

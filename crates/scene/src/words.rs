@@ -135,6 +135,11 @@ impl Method {
         self.function().is_some_and(|f| f.keeps_one_number)
     }
 
+    /// Whether a run of samples of one segment can become one sample by it.
+    pub fn is_local(self) -> bool {
+        self.plan(|_| 0.0).is_local()
+    }
+
     /// Whether its function has this parameter.
     pub(crate) fn has(self, parameter: &str) -> bool {
         self.function()

@@ -2,9 +2,10 @@
 // makes into one sample; runs add up front to back.
 
 @group(0) @binding(14) var labels: texture_3d<u32>;
-/// Rows of `TABLE_ROW` entries.
+/// Rows of `TABLE_ROW` entries, `SEGMENT_ENTRIES` for each segment.
 @group(0) @binding(15) var segments: texture_2d<u32>;
 
+const SEGMENT_ENTRIES: u32 = 6u;
 const HIDDEN: u32 = 0u;
 const NO_SEGMENT: u32 = 0xFFFFFFFFu;
 /// In voxels: what rounding may move a place beyond the extent.
@@ -14,6 +15,8 @@ var<private> entry_in_voxel: vec3f;
 var<private> step_in_voxel: vec3f;
 /// Of the run: `HIDDEN` as well where nothing of it is left to be added.
 var<private> technique_of_run: u32 = HIDDEN;
+
+var<private> segment_of_run: u32 = NO_SEGMENT;
 
 fn technique() -> u32 {
     return technique_of_run;
@@ -35,29 +38,194 @@ fn ray_position(lattice_point: f32) -> vec3f {
     return entry_in_voxel + lattice_point * step_in_voxel;
 }
 
+// Where a place lies among the voxels of the label volume around it.
+struct LabelCell {
+    first: vec3i,
+    // From the first voxel to the next along each axis, 0 to 1.
+    share: vec3f,
+    is_outside: bool,
+}
+
 // The first texels of the tables say where the label volume lies.
-fn segment_at(position: vec3f) -> u32 {
+fn label_cell(position: vec3f) -> LabelCell {
     let p = vec4f(position, 1.0);
     let place = vec3f(dot(table_entry(0u), p), dot(table_entry(1u), p), dot(table_entry(2u), p));
     let end = vec3f(textureDimensions(labels)) - 0.5;
-    if any(place < vec3f(-0.5 - ROUNDING)) || any(place > end + ROUNDING) {
+    let is_outside = any(place < vec3f(-0.5 - ROUNDING)) || any(place > end + ROUNDING);
+    let inside = clamp(place, vec3f(0.0), end - 0.5);
+    let first = floor(inside);
+    return LabelCell(vec3i(first), inside - first, is_outside);
+}
+
+fn label_corner(cell: LabelCell, corner: i32) -> u32 {
+    let voxel = cell.first + vec3i(corner & 1, corner >> 1u & 1, corner >> 2u & 1);
+    return textureLoad(labels, min(voxel, vec3i(textureDimensions(labels)) - 1), 0).r;
+}
+
+fn label_weight(cell: LabelCell, corner: i32) -> f32 {
+    let side = vec3<bool>((corner & 1) == 1, (corner >> 1u & 1) == 1, (corner >> 2u & 1) == 1);
+    let share = select(1.0 - cell.share, cell.share, side);
+    return share.x * share.y * share.z;
+}
+
+// That whose voxels around the position have the largest weight as trilinear interpolation counts.
+fn segment_at(position: vec3f) -> u32 {
+    let cell = label_cell(position);
+    if cell.is_outside {
         return u32(table_entry(3u).x);
     }
-    let voxel = clamp(vec3i(floor(place + 0.5)), vec3i(0), vec3i(end));
-    return textureLoad(labels, voxel, 0).r;
+    var numbers: array<u32, 8>;
+    var are_equal = true;
+    for (var i = 0; i < 8; i++) {
+        numbers[i] = label_corner(cell, i);
+        are_equal = are_equal && numbers[i] == numbers[0];
+    }
+    if are_equal {
+        return numbers[0];
+    }
+    var heaviest = NO_SEGMENT;
+    var largest = 0.0;
+    for (var i = 0; i < 8; i++) {
+        var weight = 0.0;
+        for (var j = 0; j < 8; j++) {
+            weight += select(0.0, label_weight(cell, j), numbers[j] == numbers[i]);
+        }
+        if weight > largest || (weight == largest && numbers[i] < heaviest) {
+            largest = weight;
+            heaviest = numbers[i];
+        }
+    }
+    return heaviest;
+}
+
+// The weight that the segment of the run has at a position, 0 to 1.
+fn membership(position: vec3f) -> f32 {
+    let cell = label_cell(position);
+    if cell.is_outside {
+        return select(0.0, 1.0, u32(table_entry(3u).x) == segment_of_run);
+    }
+    var weight = 0.0;
+    var number = 0;
+    for (var i = 0; i < 8; i++) {
+        if label_corner(cell, i) == segment_of_run {
+            weight += label_weight(cell, i);
+            number += 1;
+        }
+    }
+    // Weights add up to 1 but for rounding.
+    return select(weight, 1.0, number == 8);
+}
+
+fn segment_entry(segment: u32, number: u32) -> u32 {
+    let index = segment * SEGMENT_ENTRIES + number;
+    return textureLoad(segments, vec2u(index % TABLE_ROW, index / TABLE_ROW), 0).r;
 }
 
 fn technique_of_segment(segment: u32) -> u32 {
-    return textureLoad(segments, vec2u(segment % TABLE_ROW, segment / TABLE_ROW), 0).r;
+    return segment_entry(segment, 0u);
 }
 
-fn with_run(seen: vec4f, run: vec4f) -> vec4f {
-    return seen + (1.0 - seen.a) * run;
+// What the runs of a ray add up to, and what the rule remembers of them.
+struct Seen {
+    color: vec4f,
+    weight: f32,
+    number: f32,
 }
 
-fn is_opaque(seen: vec4f) -> bool {
-    let passing = 1.0 - seen.a;
-    return passing < table_entry(3u).y || passing <= 0.0;
+// How runs become a pixel: the numbers of `table_entry(3u).z`.
+const BRIGHTEST: u32 = 1u;
+const AVERAGE: u32 = 2u;
+const FIRST: u32 = 3u;
+const IMPORTANCE_AWARE: u32 = 4u;
+
+fn global_rule() -> u32 {
+    return u32(table_entry(3u).z);
+}
+
+// With a run of `segment`, which has a tint and an opacity.
+fn with_run(seen: Seen, untinted: vec4f, segment: u32) -> Seen {
+    let factors = bitcast<vec4f>(vec4u(
+        segment_entry(segment, 1u),
+        segment_entry(segment, 2u),
+        segment_entry(segment, 3u),
+        segment_entry(segment, 4u),
+    ));
+    let run = untinted * factors;
+    if run.a <= 0.0 {
+        return seen;
+    }
+    switch global_rule() {
+        case BRIGHTEST: {
+            let luminance = dot(run.rgb, vec3f(0.2126, 0.7152, 0.0722));
+            if luminance > seen.weight {
+                return Seen(run, luminance, 1.0);
+            }
+            return seen;
+        }
+        case AVERAGE: {
+            return Seen(seen.color + run, 0.0, seen.number + 1.0);
+        }
+        case FIRST: {
+            if seen.number > 0.0 {
+                return seen;
+            }
+            return Seen(run, 0.0, 1.0);
+        }
+        case IMPORTANCE_AWARE: {
+            return with_important(seen, run, bitcast<f32>(segment_entry(segment, 5u)));
+        }
+        default: {
+            return Seen(seen.color + (1.0 - seen.color.a) * run, 0.0, 1.0);
+        }
+    }
+}
+
+// As the composite `importance_aware` adds a sample.
+fn with_important(seen: Seen, run: vec4f, importance: f32) -> Seen {
+    let rise = importance - seen.weight;
+    let before = seen.color.a;
+    var kept = 1.0;
+    if rise > 0.0 && 1.0 - before < 1.0 - exp(-rise) {
+        kept = exp(-rise) / before;
+    }
+    let passing = 1.0 - run.a;
+    let alpha = before * passing + run.a;
+    let modulated = kept * before * passing + run.a;
+    let color = kept * seen.color.rgb + (1.0 - kept * before) * run.rgb;
+    let accumulated = importance + log(run.a + passing * exp(min(-rise, 0.0)));
+    let weight = select(seen.weight, max(seen.weight, accumulated), rise > 0.0);
+    return Seen(vec4f(color * (alpha / modulated), alpha), weight, 1.0);
+}
+
+// The hit of the ray is that of its first run with one.
+fn keep_first_hit(before_mm: f32) {
+    hit_mm = select(hit_mm, before_mm, before_mm < NOWHERE_MM);
+}
+
+// Whether nothing behind can be seen.
+fn is_complete(seen: Seen) -> bool {
+    let passing = 1.0 - seen.color.a;
+    switch global_rule() {
+        case BRIGHTEST, AVERAGE: {
+            return false;
+        }
+        case FIRST: {
+            return seen.number > 0.0;
+        }
+        case IMPORTANCE_AWARE: {
+            return passing < 0.00390625 && seen.weight >= table_entry(3u).w;
+        }
+        default: {
+            return passing < table_entry(3u).y || passing <= 0.0;
+        }
+    }
+}
+
+fn pixel_of(seen: Seen) -> vec4f {
+    if global_rule() == AVERAGE {
+        return seen.color / max(seen.number, 1.0);
+    }
+    return seen.color;
 }
 
 fn march(pixel: vec2u) -> vec4f {
@@ -71,8 +239,8 @@ fn march(pixel: vec2u) -> vec4f {
     step_in_voxel = line.along * frame.step_mm;
     let to_eye = -ray.direction;
 
-    var seen = vec4f(0.0);
-    var segment_of_run = NO_SEGMENT;
+    var seen = Seen(vec4f(0.0), 0.0, 0.0);
+    segment_of_run = NO_SEGMENT;
     var state = composite_start();
     for (var k = 0.0; k < count; k += 1.0) {
         let lattice_point = in_order(k, count) + first;
@@ -80,11 +248,11 @@ fn march(pixel: vec2u) -> vec4f {
         let segment = segment_at(position);
         if segment != segment_of_run {
             if technique_of_run != HIDDEN {
-                seen = with_run(seen, composite_finish(state));
+                seen = with_run(seen, composite_finish(state), segment_of_run);
             }
             segment_of_run = segment;
             technique_of_run = technique_of_segment(segment);
-            if is_opaque(seen) {
+            if is_complete(seen) {
                 technique_of_run = HIDDEN;
                 break;
             }
@@ -98,17 +266,19 @@ fn march(pixel: vec2u) -> vec4f {
         if !is_value(value) {
             continue;
         }
+        let before_mm = hit_mm;
         state = composite_add(state, Sample(value, lattice_point, position, to_eye));
+        keep_first_hit(before_mm);
         if composite_done(state) {
-            seen = with_run(seen, composite_finish(state));
+            seen = with_run(seen, composite_finish(state), segment_of_run);
             technique_of_run = HIDDEN;
-            if is_opaque(seen) {
+            if is_complete(seen) {
                 break;
             }
         }
     }
     if technique_of_run != HIDDEN {
-        seen = with_run(seen, composite_finish(state));
+        seen = with_run(seen, composite_finish(state), segment_of_run);
     }
-    return seen;
+    return pixel_of(seen);
 }

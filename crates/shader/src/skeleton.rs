@@ -140,8 +140,9 @@ pub mod bindings {
     pub const PAGES: u32 = 12;
     /// `texture_3d<u32>`: the number of each voxel's segment in the label volume.
     pub const LABELS: u32 = 14;
-    /// `texture_2d<u32>`, rows of [`TABLE_ROW`](crate::TABLE_ROW) entries: by the number of a segment which
-    /// technique draws it, 0 if it is hidden.
+    /// `texture_2d<u32>`, rows of [`TABLE_ROW`](crate::TABLE_ROW) entries, six for each segment: which technique
+    /// draws it, 0 if it is hidden; the bits of what the color and opacity of its runs are multiplied by, and of their
+    /// importance.
     pub const SEGMENTS: u32 = 15;
     /// `texture_2d<f32>`, rgba: what is behind the volumes, opaque geometry before the background. It
     /// covers the part that is drawn.
@@ -293,7 +294,7 @@ fn skeleton(what: &RayLoop, kind: &str, march: &str) -> Result<Skeleton, Error> 
     } else {
         include_str!("../skeleton/values_any.wgsl")
     };
-    let parts = vec![
+    let mut parts: Vec<Arc<str>> = vec![
         look.into(),
         behind.into(),
         values.into(),
@@ -308,6 +309,9 @@ fn skeleton(what: &RayLoop, kind: &str, march: &str) -> Result<Skeleton, Error> 
         stored(volumes).into(),
         texel_linear(volumes).into(),
     ];
+    if *techniques != Techniques::OfSegments {
+        parts.push(include_str!("../skeleton/membership_of_one.wgsl").into());
+    }
     Ok(Skeleton {
         name,
         wgsl: wgsl.into(),

@@ -8,11 +8,13 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use strahl_scene::{Clip, Headers, MaskClip, Scene, VolumeSource};
+use strahl_scene::{
+    Clip, Headers, LabelHeader, MaskClip, PresetInfo, Scene, VolumeSource, segment_notes,
+};
 use strahl_shader::Module;
 use strahl_volume::read::ReadOptions;
 use strahl_volume::read::mesh::read_mesh_under;
-use strahl_volume::{Control, Datasets, Grid, Mesh, Phantom, Volume};
+use strahl_volume::{Control, Datasets, LabelVolume, Mesh, Phantom, Volume};
 
 /// Which volume is a scene's own.
 pub(crate) enum Own<'o> {
@@ -37,7 +39,7 @@ pub(crate) struct SceneData {
     volumes: Vec<Volume>,
     masks: Vec<Volume>,
     meshes: Vec<Mesh>,
-    labels: Option<Grid>,
+    labels: Option<LabelVolume>,
     modules: BTreeMap<String, Arc<Module>>,
     /// What the user should know.
     pub notes: Vec<String>,
@@ -64,12 +66,40 @@ impl SceneData {
             held: Vec::new(),
         };
         let reading = Reading { session, control };
+        // A file that says that it holds labels is not a scan, unless the scene says how its numbers are drawn.
+        let mut labels_in = scene.labels.as_ref().map(|labels| labels.path.clone());
+        let preset = scene.preset.as_deref().and_then(PresetInfo::find);
+        let of_segments = preset.is_some_and(|preset| preset.scene().segments.is_some());
+        let draws_values = scene.method.is_some()
+            || (scene.preset.is_some() && !of_segments)
+            || scene.transfer_function.is_some()
+            || scene.debug.is_some()
+            || scene.graph.is_some();
         let own = match own {
             Own::Volume(volume) => volume.clone(),
-            Own::Phantom(phantom, dims) => data.hold(session.phantom(phantom, dims, control)?),
-            Own::Files(paths, options) => data.read_files(reading, &paths, &options)?,
+            Own::Phantom(phantom, dims) => {
+                if labels_in.is_none() && (scene.segments.is_some() || of_segments) {
+                    let labels = session.phantom_labels(phantom, dims, control)?;
+                    data.labels = Option::clone(&labels);
+                    data.held.push(labels);
+                }
+                data.hold(session.phantom(phantom, dims, control)?)
+            }
+            Own::Files(paths, options) => {
+                let read = session.volume(&paths, &options, control)?;
+                if let (true, false, None, [path]) = (
+                    read.value.labels.is_some(),
+                    draws_values,
+                    &labels_in,
+                    &paths[..],
+                ) {
+                    labels_in = path.to_str().map(str::to_owned);
+                }
+                data.read_files(reading, &paths, &options)?
+            }
         };
         data.add_volume(reading, own, level)?;
+        data.load_labels(reading, scene, labels_in)?;
         for object in scene.objects.iter().flatten() {
             if let Some(source) = &object.volume {
                 let volume = data.read_volume(reading, source)?;
@@ -93,13 +123,6 @@ impl SceneData {
                 data.masks.push(mask);
             }
         }
-        if let Some(labels) = &scene.labels {
-            data.labels = Some(*data.read_labels(reading, &labels.path)?.value.0.grid());
-            data.notes.push(
-                "the labels lie on the volume's grid; drawing them is not there yet (a clip `mask` with `labels` shows or hides some)"
-                    .into(),
-            );
-        }
         for function in scene.functions.iter().flat_map(BTreeMap::values) {
             if function.is_file() && !data.modules.contains_key(&function.module) {
                 let module = read_module(Path::new(&function.module))?;
@@ -108,6 +131,37 @@ impl SceneData {
             }
         }
         Ok(data)
+    }
+
+    /// The labels whose segments are drawn: those in the file `path`, if it is said.
+    fn load_labels(
+        &mut self,
+        reading: Reading,
+        scene: &Scene,
+        path: Option<String>,
+    ) -> Result<(), Error> {
+        if let Some(path) = path {
+            let read = self.read_labels(reading, &path)?;
+            self.labels = Some(read.value.0.clone());
+            self.held.push(read);
+        }
+        if let Some(labels) = &self.labels {
+            let uses = scene.segments.as_deref().unwrap_or(&[]);
+            self.notes.extend(segment_notes(uses, &labels.into()));
+        } else {
+            for (key, is_set) in [
+                ("techniques", scene.techniques.is_some()),
+                ("segments", scene.segments.is_some()),
+                ("composite", scene.composite.is_some()),
+            ] {
+                if is_set {
+                    let note =
+                        format!("{key} has no effect without labels (key `labels`, --labels)");
+                    self.notes.push(note);
+                }
+            }
+        }
+        Ok(())
     }
 
     /// A volume that the session keeps.
@@ -195,7 +249,7 @@ impl SceneData {
     pub fn headers(&self) -> Headers {
         Headers {
             volumes: self.volumes.iter().map(|volume| volume.header()).collect(),
-            labels: self.labels,
+            labels: self.labels.as_ref().map(LabelHeader::from),
             masks: self.masks.iter().map(|mask| *mask.grid()).collect(),
             meshes: self
                 .meshes
@@ -210,7 +264,7 @@ impl SceneData {
     pub fn datasets(&self) -> Datasets {
         Datasets {
             volumes: self.volumes.clone(),
-            labels: Vec::new(),
+            labels: self.labels.iter().cloned().collect(),
             masks: self.masks.clone(),
             meshes: self.meshes.clone(),
         }

@@ -214,6 +214,18 @@ impl Session {
         self.files.find(&PhantomOf(phantom, dims), control, make)
     }
 
+    /// The labels of a phantom that has some, computed unless they are known.
+    pub(crate) fn phantom_labels(
+        &self,
+        phantom: Phantom,
+        dims: [usize; 3],
+        control: &Control,
+    ) -> Result<Arc<Option<LabelVolume>>, Error> {
+        let make = || Ok::<_, Error>(phantom.labels(dims)?);
+        let key = PhantomLabelsOf(phantom, dims);
+        self.files.find(&key, control, make)
+    }
+
     /// A coarser version of a volume.
     pub(crate) fn level(
         &self,
@@ -322,6 +334,21 @@ impl Key for MeshAt {
     fn bytes(&self, value: &Read<LoadedMesh>) -> usize {
         let mesh = &value.value.mesh;
         size_of_val(mesh.positions()) + size_of_val(mesh.triangles())
+    }
+}
+
+#[derive(Clone, PartialEq)]
+struct PhantomLabelsOf(Phantom, [usize; 3]);
+
+impl Key for PhantomLabelsOf {
+    type Value = Option<LabelVolume>;
+
+    const NAME: &str = "labels of phantoms";
+
+    fn bytes(&self, value: &Self::Value) -> usize {
+        value
+            .as_ref()
+            .map_or(0, |labels| labels.grid().voxel_count())
     }
 }
 

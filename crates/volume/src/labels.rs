@@ -2,7 +2,7 @@
 
 use crate::{ContentId, Error, Grid, Metadata, Rescale, Samples, Volume};
 use std::collections::{BTreeMap, BTreeSet};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// One object of a label volume.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,6 +45,8 @@ pub struct LabelVolume {
     ids: Arc<LabelIds>,
     labels: Vec<Label>,
     content_id: ContentId,
+    /// Found when somebody first asks.
+    known_ids: Arc<OnceLock<Vec<u32>>>,
 }
 
 impl LabelVolume {
@@ -80,6 +82,7 @@ impl LabelVolume {
             ids: Arc::new(ids),
             labels,
             content_id: ContentId::unique(),
+            known_ids: Arc::default(),
         })
     }
 
@@ -127,11 +130,13 @@ impl LabelVolume {
     }
 
     /// The ids that voxels have or names belong to, ascending.
-    pub fn known_ids(&self) -> Vec<u32> {
-        let of_voxels = self.counts().into_iter().map(|(id, _)| id);
-        let mut known: BTreeSet<u32> = of_voxels.collect();
-        known.extend(self.labels.iter().map(|label| label.id));
-        known.into_iter().collect()
+    pub fn known_ids(&self) -> &[u32] {
+        self.known_ids.get_or_init(|| {
+            let of_voxels = self.counts().into_iter().map(|(id, _)| id);
+            let mut known: BTreeSet<u32> = of_voxels.collect();
+            known.extend(self.labels.iter().map(|label| label.id));
+            known.into_iter().collect()
+        })
     }
 
     /// A mask: 1 in the voxels with one of these `ids`, 0 elsewhere.

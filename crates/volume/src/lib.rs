@@ -52,7 +52,7 @@ pub use control::{Cancelled, Control, Parts, Work};
 pub use datasets::Datasets;
 pub use error::{Error, ErrorKind, Remedy};
 pub use grid::{Grid, voxel_count};
-pub use label_numbers::{LabelNumbers, LabelNumbersOf};
+pub use label_numbers::{BorderCells, LabelNumbers, LabelNumbersOf};
 pub use labels::{Label, LabelIds, LabelVolume};
 pub use mesh::Mesh;
 pub use phantom::Phantom;

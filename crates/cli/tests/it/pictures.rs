@@ -107,6 +107,74 @@ fn labels_clip_as_the_mask_of_them_does() {
     assert!(bytes(here, "a.png") == bytes(here, "again.png"));
 }
 
+/// What flags say of segments is what a scene says, and what there is nothing of is said.
+#[test]
+fn flags_say_which_segments_are_drawn() {
+    let folder = folder_with_shells();
+    let here = folder.path();
+    let shells = shells();
+    let [nx, ny, nz] = shells.grid().dims();
+    let ids: Vec<u8> = (0..nx * ny * nz).map(|i| (i % nx / 5) as u8).collect();
+    let ids = Volume::new(
+        *shells.grid(),
+        strahl::volume::Samples::U8(ids),
+        strahl::volume::Rescale::IDENTITY,
+        strahl::volume::Metadata::default(),
+    );
+    save(&ids.unwrap(), here, "labels.nrrd");
+    let draw = |name: &str, flags: &[&str]| {
+        let args = [
+            "render",
+            "shells.nrrd",
+            "--labels",
+            "labels.nrrd",
+            "-o",
+            name,
+            "--size",
+            "40x30",
+        ];
+        let run = run(here, &[&args, flags].concat());
+        assert_eq!(run.code, Some(0), "{}", run.err);
+        (decoded(&here.join(name)), run.err)
+    };
+    let (all, _) = draw("all.png", &[]);
+    let (hidden, _) = draw("hidden.png", &["--hide", "1", "--hide", "3"]);
+    let (only, _) = draw("only.png", &["--only", "2"]);
+    assert!(all != hidden);
+    assert!(hidden == only);
+    let (highlighted, _) = draw("highlighted.png", &["--highlight", "2"]);
+    assert!(highlighted != only && highlighted != all);
+    let (_, said) = draw("none.png", &["--only", "9"]);
+    assert!(said.contains("no segment has the id 9"), "{said}");
+    assert!(
+        said.contains("every segment is hidden: the picture is empty"),
+        "{said}"
+    );
+    let without = run(
+        here,
+        &[
+            "render",
+            "shells.nrrd",
+            "-o",
+            "w.png",
+            "--size",
+            "8x8",
+            "--hide",
+            "1",
+        ],
+    );
+    assert!(
+        without
+            .err
+            .contains("segments has no effect without labels"),
+        "{}",
+        without.err
+    );
+    // The picture knows what was typed.
+    run_well(here, &["render", "only.png", "-o", "again.png"]);
+    assert!(bytes(here, "only.png") == bytes(here, "again.png"));
+}
+
 /// A picture of several files does not know them; the message says what to do.
 #[test]
 fn a_picture_of_several_files_asks_for_them() {

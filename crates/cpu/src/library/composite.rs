@@ -14,6 +14,9 @@ pub use state::State;
 
 use strahl_scene::plan::for_each_function;
 
+/// Of linear sRGB.
+pub const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
+
 /// A file per rule of the registry, with a type of the same name that has the parameters as fields.
 macro_rules! modules {
     ($(; $meaning:literal $variant:ident $name:ident $word:literal { $($field:ident),* })*) => {

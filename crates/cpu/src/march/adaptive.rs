@@ -30,6 +30,7 @@ impl<S: Level> Packet<'_, S> {
         while live.any() {
             let position = line.position(k + rays.jitter);
             if let Some(next) = self.behind_nothing(object, position, k, live) {
+                self.skipped += next - k;
                 k = next;
                 live = live & k.lt(end);
                 continue;

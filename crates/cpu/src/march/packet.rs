@@ -136,6 +136,8 @@ impl<'s, S: Level> Packet<'s, S> {
             technique,
             colour: [seen_r, seen_g, seen_b],
             alpha: seen_alpha,
+            weight: seen_weight,
+            number: seen_runs,
             place: hit_place,
             has_place,
         } = &mut self.runs;
@@ -166,6 +168,8 @@ impl<'s, S: Level> Packet<'s, S> {
             seen_g,
             seen_b,
             seen_alpha,
+            seen_weight,
+            seen_runs,
             hit_place,
             has_place,
             &mut self.sampled,
@@ -212,10 +216,10 @@ impl<'s, S: Level> Packet<'s, S> {
     }
 
     /// The lattice points behind those that show nothing for certain, for rays of `live` that are at such; `None` if no ray
-    /// is. The others wait, so that sampling happens for as many rays as possible.
+    /// is. The others wait, so that sampling happens for as many rays as possible. The caller counts what is skipped.
     #[inline(always)]
     pub(super) fn behind_nothing(
-        &mut self,
+        &self,
         object: &Object<S>,
         position: Vec3s<S>,
         k: F32s<S>,
@@ -227,25 +231,24 @@ impl<'s, S: Level> Packet<'s, S> {
         if !empty.any() {
             return None;
         }
-        let next = empty.select((k + jump).min(self.rays.count), k);
-        self.skipped += next - k;
-        Some(next)
+        Some(empty.select((k + jump).min(self.rays.count), k))
     }
 
     /// Which rays of `live` are to be moved on, and which of them are to be `sampled`: where many samples are rejected, only
-    /// their rays, without a sample. The others wait, so that sampling happens for as many rays as possible.
+    /// their rays, without a sample. The others wait, so that sampling happens for as many rays as possible. `extreme` is
+    /// the value of the state.
     #[inline(always)]
     pub(super) fn moving_and_sampled(
-        &self,
         object: &Object<S>,
         position: Vec3s<S>,
+        extreme: F32s<S>,
         live: Mask<S>,
         sampled: Mask<S>,
     ) -> (Mask<S>, Mask<S>) {
         if object.rejection.is_none() {
             return (live, sampled);
         }
-        let seen = object.unless_rejected(position, self.state.value, sampled);
+        let seen = object.unless_rejected(position, extreme, sampled);
         let rejected = live & !seen;
         if 2 * rejected.count() > live.count() {
             (rejected, Mask::none())
@@ -301,20 +304,6 @@ impl<'s, S: Level> Packet<'s, S> {
         value: F32s<S>,
         stride: F32s<S>,
     ) -> Mask<S> {
-        let at = (k, position, stride);
-        with_rule!(object.composite, rule => self.add_by(rule, object, at, sampled, value))
-    }
-
-    /// The same by `rule`, of a lattice point with its position and its stride.
-    #[inline(always)]
-    pub(super) fn add_by(
-        &mut self,
-        rule: impl Rule,
-        object: &Object<S>,
-        (k, position, stride): (F32s<S>, Vec3s<S>, F32s<S>),
-        sampled: Mask<S>,
-        value: F32s<S>,
-    ) -> Mask<S> {
         let sample = Sample {
             crossing: Crossing {
                 scenery: self.scenery,
@@ -328,7 +317,7 @@ impl<'s, S: Level> Packet<'s, S> {
             value,
             sampled,
         };
-        rule.add(&mut self.state, &sample)
+        with_rule!(object.composite, rule => rule.add(&mut self.state, &sample))
     }
 
     /// Colour, and opacity of one step, of a value of `object`.

@@ -1,8 +1,11 @@
 //! Where rays stand among the segments of a label volume.
 
-use crate::lanes::{F32s, Mask, Vec3s};
+use crate::lanes::{F32s, Mask, Vec3s, each};
 use crate::levels::Level;
+use crate::library::composite::LUMINANCE;
+use crate::library::composite::importance_aware::Accumulated;
 use crate::segment_numbers::SegmentNumbers;
+use strahl_scene::plan::GlobalRule;
 
 /// Where rays stand among segments, and what the runs that have ended add up to.
 #[derive(Clone, Copy)]
@@ -15,6 +18,10 @@ pub struct Runs<S: Level> {
     pub colour: Vec3s<S>,
     /// Opacity.
     pub alpha: F32s<S>,
+    /// What the rule of the Plan remembers of them: the largest luminance, or the importance so far …
+    pub weight: F32s<S>,
+    /// … and the number of those that are not transparent, or whether there was one: 1.
+    pub number: F32s<S>,
     /// Lattice coordinate of the first hit among the runs …
     pub place: F32s<S>,
     /// … if there was one: 1.
@@ -30,15 +37,91 @@ impl<S: Level> Runs<S> {
             technique: F32s::zero(),
             colour: [F32s::zero(); 3],
             alpha: F32s::zero(),
+            weight: F32s::zero(),
+            number: F32s::zero(),
             place: F32s::zero(),
             has_place: F32s::zero(),
         }
     }
 
-    /// Where nothing behind would be seen.
+    /// Where nothing behind can be seen.
     #[inline(always)]
-    pub fn is_opaque(&self, segments: &SegmentNumbers) -> Mask<S> {
+    pub fn are_complete(&self, segments: &SegmentNumbers) -> Mask<S> {
         let passing = F32s::splat(1.0) - self.alpha;
-        passing.lt(F32s::splat(segments.stop_at_transmittance)) | passing.le(F32s::zero())
+        match segments.rule {
+            GlobalRule::EmissionAbsorption {
+                stop_at_transmittance,
+            } => passing.lt(F32s::splat(stop_at_transmittance)) | passing.le(F32s::zero()),
+            GlobalRule::Mip | GlobalRule::Average => Mask::none(),
+            GlobalRule::First => F32s::zero().lt(self.number),
+            GlobalRule::ImportanceAware => {
+                let is_opaque = passing.lt(F32s::splat(1.0 / 256.0));
+                is_opaque & F32s::splat(segments.most_important).le(self.weight)
+            }
+        }
+    }
+
+    /// Adds runs of this colour, premultiplied, and opacity, where `of` says so; `importance` is that of their segments.
+    #[inline(always)]
+    pub fn add(
+        &mut self,
+        rule: GlobalRule,
+        of: Mask<S>,
+        [colour, [alpha, importance, _]]: [Vec3s<S>; 2],
+    ) {
+        let (zero, one) = (F32s::zero(), F32s::splat(1.0));
+        let of = of & zero.lt(alpha);
+        match rule {
+            GlobalRule::EmissionAbsorption { .. } => {
+                let passing = one - self.alpha;
+                for (sum, colour) in self.colour.iter_mut().zip(colour) {
+                    *sum += of.select(passing * colour, zero);
+                }
+                self.alpha += of.select(passing * alpha, zero);
+            }
+            GlobalRule::Mip => {
+                let [r, g, b] = each!([0, 1, 2], |c| colour[c] * F32s::splat(LUMINANCE[c]));
+                let luminance = r + g + b;
+                let better = of & self.weight.lt(luminance);
+                self.colour = better.select3(colour, self.colour);
+                self.alpha = better.select(alpha, self.alpha);
+                self.weight = better.select(luminance, self.weight);
+            }
+            GlobalRule::Average => {
+                self.colour = each!([0, 1, 2], |c| {
+                    self.colour[c] + of.select(colour[c], zero)
+                });
+                self.alpha += of.select(alpha, zero);
+                self.number += of.select(one, zero);
+            }
+            GlobalRule::First => {
+                let first = of & self.number.le(zero);
+                self.colour = first.select3(colour, self.colour);
+                self.alpha = first.select(alpha, self.alpha);
+                self.number = first.select(one, self.number);
+            }
+            GlobalRule::ImportanceAware => {
+                let mut seen = Accumulated {
+                    colour: self.colour,
+                    alpha: self.alpha,
+                    importance: self.weight,
+                };
+                seen.add(of, colour, alpha, importance);
+                (self.colour, self.alpha, self.weight) = (seen.colour, seen.alpha, seen.importance);
+            }
+        }
+    }
+
+    /// The colour, premultiplied, and the opacity that they come to.
+    #[inline(always)]
+    pub fn pixel(&self, rule: GlobalRule) -> (Vec3s<S>, F32s<S>) {
+        match rule {
+            GlobalRule::Average => {
+                let number = self.number.max(F32s::splat(1.0));
+                let colour = each!(self.colour, |c| c.over(number));
+                (colour, self.alpha.over(number))
+            }
+            _ => (self.colour, self.alpha),
+        }
     }
 }

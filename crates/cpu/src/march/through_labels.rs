@@ -1,8 +1,8 @@
 //! Front to back through the segments of a label volume: the samples of one segment in a row are a run, which
-//! the local rule of its technique makes into one sample; runs add up by emission and absorption.
+//! the local rule of its technique makes into one sample; runs add up by the rule of the Plan.
 
 use super::packet::Packet;
-use crate::lanes::{F32s, Mask, Vec3s, lanes};
+use crate::lanes::{F32s, Mask, Vec3s, each, lanes};
 use crate::levels::{Level, vectorized};
 use crate::library::composite::{Crossing, Rule, State, with_rule};
 use crate::scenery::Object;
@@ -23,10 +23,25 @@ impl<S: Level> Packet<'_, S> {
         let (rays, line) = (self.rays, &self.rays.lines[0]);
         let one = F32s::splat(1.0);
         let end = self.end.min(rays.count);
-        let mut live = self.begin.le(self.k) & self.k.lt(end) & !self.runs.is_opaque(segments);
+        let mut live = self.begin.le(self.k) & self.k.lt(end) & !self.runs.are_complete(segments);
         while live.any() {
             let k = self.k;
             let position = line.position(k + rays.jitter);
+            if let Some(skip) = &segments.skip {
+                let shape = self.scenery.objects[0].values.shape();
+                // A run ends before anything behind it is left out.
+                let between_runs = live & self.runs.technique.eq(F32s::zero());
+                let jump = skip.jump(shape, line, position);
+                let jumping = between_runs & F32s::zero().lt(jump);
+                if jumping.any() {
+                    self.k = jumping.select((k + jump).min(rays.count), k);
+                    self.skipped += self.k - k;
+                    // Whatever comes next is a new run.
+                    self.runs.segment = jumping.select(F32s::zero(), self.runs.segment);
+                    live = live & self.k.lt(end);
+                    continue;
+                }
+            }
             let here = segments.at(position);
             let changed = live & !here.eq(self.runs.segment);
             if changed.any() {
@@ -55,7 +70,7 @@ impl<S: Level> Packet<'_, S> {
         self.runs.segment = changed.select(here, self.runs.segment);
         let segment = self.runs.segment.to_array();
         let technique = F32s::from_array(lanes(|i| segments.technique(segment[i])));
-        let ended = changed & self.runs.is_opaque(segments);
+        let ended = changed & self.runs.are_complete(segments);
         let technique = ended.select(F32s::zero(), technique);
         self.runs.technique = changed.select(technique, self.runs.technique);
         self.begin_runs(changed & !ended);
@@ -87,7 +102,7 @@ impl<S: Level> Packet<'_, S> {
             if done.any() {
                 self.end_runs_of(object, done);
                 self.runs.technique = done.select(zero, self.runs.technique);
-                ended = ended | (done & self.runs.is_opaque(segments));
+                ended = ended | (done & self.runs.are_complete(segments));
             }
         }
         ended
@@ -112,8 +127,9 @@ impl<S: Level> Packet<'_, S> {
     #[inline(always)]
     pub(super) fn end_last_runs(&mut self) -> Mask<S> {
         self.end_runs(!Mask::none());
-        self.state.colour = self.runs.colour;
-        self.state.alpha = self.runs.alpha;
+        if let Some(segments) = &self.scenery.segments {
+            (self.state.colour, self.state.alpha) = self.runs.pixel(segments.rule);
+        }
         self.state.place = self.runs.place;
         F32s::zero().lt(self.runs.has_place)
     }
@@ -153,17 +169,22 @@ impl<S: Level> Packet<'_, S> {
             rule.finish(&mut run, &crossing);
             rule.has_depth()
         });
+        let Some(segments) = &self.scenery.segments else {
+            return;
+        };
+        let of_runs = self.runs.segment.to_array();
+        let factors = lanes(|i| segments.factors(of_runs[i]));
+        let factor = |channel: usize| F32s::from_array(lanes(|i| factors[i][channel]));
+        let colour = each!([0, 1, 2], |channel| run.colour[channel] * factor(channel));
+        let alpha = run.alpha * factor(3);
+        let importance = F32s::from_array(lanes(|i| segments.importance(of_runs[i])));
         let runs = &mut self.runs;
         if has_depth {
             let first = of & zero.lt(run.alpha) & runs.has_place.eq(zero);
             runs.place = first.select(run.place, runs.place);
             runs.has_place = first.select(one, runs.has_place);
         }
-        let passing = one - runs.alpha;
-        for (sum, colour) in runs.colour.iter_mut().zip(run.colour) {
-            *sum += of.select(passing * colour, zero);
-        }
-        runs.alpha += of.select(passing * run.alpha, zero);
+        runs.add(segments.rule, of, [colour, [alpha, importance, zero]]);
         self.state.last_normal = of.select3(run.last_normal, self.state.last_normal);
     }
 }

@@ -84,10 +84,20 @@ impl<S: Level> Packet<'_, S> {
     #[inline(always)]
     fn through_one_here(&mut self, object: &Object<S>, rule: impl Rule) {
         let (rays, line) = (self.rays, &self.rays.lines[0]);
-        let one = F32s::splat(1.0);
+        let (zero, one) = (F32s::zero(), F32s::splat(1.0));
+        let to_eye = self.to_eye;
+        let crossing = Crossing {
+            scenery: self.scenery,
+            object,
+            packet: rays,
+            to_eye: &to_eye,
+        };
         let is_back_to_front = rule.is_back_to_front();
         let strides = object.strides.as_ref().filter(|_| !is_back_to_front);
         let mut strides = strides.map(|strides| strides.along(line, self.last_alpha));
+        // What changes at every lattice point is held here: in `self` it would be written to memory each time.
+        let mut state = self.state;
+        let (mut taken, mut visible, mut skipped) = (self.sampled, self.visible, self.skipped);
         let (mut k, end, mut live) = self.stand();
         while live.any() {
             let at = if is_back_to_front {
@@ -97,30 +107,41 @@ impl<S: Level> Packet<'_, S> {
             };
             let position = line.position(at + rays.jitter);
             if let Some(next) = self.behind_nothing(object, position, k, live) {
+                skipped += next - k;
                 k = next;
                 live = live & k.lt(end);
                 continue;
             }
             let sampled = object.clips.keep(position, live);
-            let (moving, sampled) = self.moving_and_sampled(object, position, live, sampled);
+            let (moving, sampled) =
+                Self::moving_and_sampled(object, position, state.value, live, sampled);
             let stride = match &mut strides {
                 Some(strides) => {
                     let shape = object.values.shape();
                     let cell = shape.cell(shape.clamp(position));
-                    strides.at(cell, moving, self.state.alpha, rays.count - k)
+                    strides.at(cell, moving, state.alpha, rays.count - k)
                 }
                 None => one,
             };
             if sampled.any() {
-                let value = self.value(object, position, sampled);
-                // What is not finite is no value: no rule counts it.
-                let sampled = sampled & value.is_finite();
-                let visible = self.add_by(rule, object, (at, position, stride), sampled, value);
-                self.visible += visible.select(one, F32s::zero());
+                taken += sampled.select(one, zero);
+                let value = object.values.at(position);
+                let sample = Sample {
+                    crossing,
+                    k: at,
+                    stride,
+                    position,
+                    value,
+                    // What is not finite is no value: no rule counts it.
+                    sampled: sampled & value.is_finite(),
+                };
+                visible += rule.add(&mut state, &sample).select(one, zero);
             }
             k = moving.select(k + stride, k);
-            live = live & k.lt(end) & !rule.done(&self.state);
+            live = live & k.lt(end) & !rule.done(&state);
         }
+        self.state = state;
+        (self.sampled, self.visible, self.skipped) = (taken, visible, skipped);
         self.k = k;
         if let Some(strides) = strides {
             self.last_alpha = strides.last_alpha;

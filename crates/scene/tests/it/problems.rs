@@ -1,8 +1,8 @@
 use crate::{ct_head, engine, header_at, header_of};
 use glam::DVec3;
 use strahl_scene::{
-    Camera, Color, LabelName, MaskClip, Scene, TransferFunction, TransferPoint, VolumeSource,
-    resolve,
+    Camera, Color, LabelHeader, LabelName, MaskClip, Scene, TransferFunction, TransferPoint,
+    VolumeSource, resolve,
 };
 use strahl_volume::{Grid, Label, LabelVolume, Metadata, Rescale, Samples, Volume};
 
@@ -120,17 +120,21 @@ fn numbers_that_are_none_are_refused() {
 }
 
 #[test]
-fn labels_of_another_grid_are_refused() {
+fn labels_that_lie_elsewhere_are_refused() {
     let scene = Scene::default();
-    let same = engine().grid;
+    let of = |dims, corner| LabelHeader {
+        grid: header_at(dims, corner).grid,
+        labels: Vec::new(),
+        ids: vec![0, 1],
+    };
+    let same = of([256, 256, 128], DVec3::new(-127.0, -127.0, -64.0));
     assert!(resolve(&scene, &engine(), Some(&same)).is_ok());
-    let nearly = header_at([256, 256, 128], DVec3::new(-127.01, -127.0, -64.0)).grid;
-    assert!(resolve(&scene, &engine(), Some(&nearly)).is_ok());
-    let shifted = header_at([256, 256, 128], DVec3::new(-126.0, -127.0, -64.0)).grid;
-    let problems = resolve(&scene, &engine(), Some(&shifted)).unwrap_err();
+    // On a grid of their own they have to meet the volume somewhere.
+    let shifted = of([64, 64, 32], DVec3::new(100.5, -127.0, -64.0));
+    assert!(resolve(&scene, &engine(), Some(&shifted)).is_ok());
+    let elsewhere = of([64, 64, 32], DVec3::new(129.0, -127.0, -64.0));
+    let problems = resolve(&scene, &engine(), Some(&elsewhere)).unwrap_err();
     insta::assert_snapshot!(problems);
-    let smaller = header_at([128, 128, 64], DVec3::new(-127.0, -127.0, -64.0)).grid;
-    assert!(resolve(&scene, &engine(), Some(&smaller)).is_err());
 }
 
 #[test]

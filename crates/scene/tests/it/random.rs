@@ -320,6 +320,9 @@ fn scene(n: Number) -> BoxedStrategy<Scene> {
                         ..VolumeSource::default()
                     }),
                     labels: None,
+                    techniques: None,
+                    segments: None,
+                    composite: None,
                     preset,
                     method,
                     threshold,

@@ -1,0 +1,148 @@
+//! Which bricks of a volume hold hidden segments only.
+
+use crate::brick_number::EDGE;
+use crate::making::Making;
+use crate::skip::Skip;
+use glam::{DAffine3, DVec3};
+use strahl_scene::plan::{Labelled, NumberedSegments, Plan};
+use strahl_volume::{Cancelled, ContentId, Control, Grid, Key, LabelIds, LabelNumbers, cores};
+
+/// Key of the bricks of a volume that hold hidden segments only.
+#[derive(Clone, Debug, PartialEq)]
+struct HiddenBricksOf {
+    labels: ContentId,
+    label_from_voxel: DAffine3,
+    dims: [usize; 3],
+    /// By the numbers of the segments.
+    is_hidden: Vec<bool>,
+}
+
+impl Key for HiddenBricksOf {
+    type Value = Skip;
+
+    const NAME: &str = "bricks of hidden segments";
+
+    fn bytes(&self, value: &Skip) -> usize {
+        size_of_val(&self.is_hidden[..]) + value.bytes()
+    }
+}
+
+/// Which lattice points lie among hidden segments only; `None` where there are none.
+pub fn hidden_segments(
+    making: &Making,
+    plan: &Plan,
+    labels: (ContentId, &LabelNumbers),
+) -> Result<Option<std::sync::Arc<Skip>>, Cancelled> {
+    let Some(labelled) = plan.labelled() else {
+        return Ok(None);
+    };
+    let field = plan.field();
+    let segments = labelled.numbered(&labels.1.ids);
+    let is_hidden: Vec<bool> = segments.techniques.iter().map(|&t| t == 0).collect();
+    let bricks = brick_dims(&field.grid);
+    // Words are gathered at 32-bit offsets.
+    let fits = bricks.iter().product::<usize>() <= i32::MAX as usize / 8;
+    if !is_hidden.contains(&true) || !fits {
+        return Ok(None);
+    }
+    let key = HiddenBricksOf {
+        labels: labels.0,
+        label_from_voxel: labelled.label_from_voxel(field),
+        dims: field.grid.dims(),
+        is_hidden,
+    };
+    let make = || {
+        let visible = visible_bricks(&key, labelled, &segments, labels.1, making.control)?;
+        Skip::of_visible(bricks, &visible, making.control)
+    };
+    Ok(Some(making.find(&key, make)?))
+}
+
+/// Bricks hold cells, of which there is one less than voxels.
+fn brick_dims(grid: &Grid) -> [usize; 3] {
+    grid.dims().map(|n| (n.max(2) - 1).div_ceil(EDGE))
+}
+
+/// For each brick whether a place in it may be in a segment that is drawn.
+fn visible_bricks(
+    key: &HiddenBricksOf,
+    labelled: &Labelled,
+    segments: &NumberedSegments,
+    labels: &LabelNumbers,
+    control: &Control,
+) -> Result<Vec<bool>, Cancelled> {
+    let [nx, ny, nz] = key.dims.map(|n| (n.max(2) - 1).div_ceil(EDGE));
+    let label_dims = labelled.grid.dims();
+    let is_outside_hidden = key.is_hidden[segments.outside as usize];
+    let shows = |low: [i64; 3], high: [i64; 3]| {
+        let is_beyond = |axis: usize| low[axis] < 0 || high[axis] >= label_dims[axis] as i64;
+        if !is_outside_hidden && (0..3).any(is_beyond) {
+            return true;
+        }
+        let inside = |axis: usize| {
+            let last = label_dims[axis] as i64 - 1;
+            low[axis].clamp(0, last) as usize..high[axis].clamp(0, last) as usize + 1
+        };
+        let (xs, rows) = (inside(0), (inside(1), inside(2)));
+        rows.1.into_iter().any(|z| {
+            rows.0.clone().any(|y| {
+                let first = label_dims[0] * (y + label_dims[1] * z);
+                let row = first + xs.start..first + xs.end;
+                let is_hidden = &key.is_hidden;
+                match &labels.numbers {
+                    LabelIds::U8(n) => n[row].iter().any(|&n| !is_hidden[n as usize]),
+                    LabelIds::U16(n) => n[row].iter().any(|&n| !is_hidden[n as usize]),
+                    LabelIds::U32(n) => n[row].iter().any(|&n| !is_hidden[n as usize]),
+                }
+            })
+        })
+    };
+    let mut visible = vec![false; nx * ny * nz];
+    let slices = visible.chunks_mut(nx * ny).enumerate();
+    cores::try_for_each(
+        slices,
+        || (),
+        |(), (z, slice)| {
+            control.check()?;
+            for (i, visible) in slice.iter_mut().enumerate() {
+                let (low, high) = around([i % nx, i / nx, z], &key.label_from_voxel, key.dims);
+                *visible = shows(low, high);
+            }
+            Ok(())
+        },
+    )?;
+    Ok(visible)
+}
+
+/// The label voxels that matter to a brick: those around the box that its cells make, a little enlarged, as positions
+/// are rounded. The outermost bricks go on to the border of the volume.
+fn around(
+    brick: [usize; 3],
+    label_from_voxel: &DAffine3,
+    dims: [usize; 3],
+) -> ([i64; 3], [i64; 3]) {
+    const MARGIN: f64 = 0.05;
+    let edges = |axis: usize| {
+        let low = (brick[axis] * EDGE) as f64;
+        let end = dims[axis] as f64 - 0.5;
+        let high = low + EDGE as f64;
+        let low = if brick[axis] == 0 { -0.5 } else { low };
+        let high = if high >= (dims[axis] - 1) as f64 {
+            end
+        } else {
+            high
+        };
+        [low - MARGIN, high + MARGIN]
+    };
+    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    for corner in 0..8 {
+        let at = |axis: usize| edges(axis)[corner >> axis & 1];
+        let place = label_from_voxel.transform_point3(DVec3::new(at(0), at(1), at(2)));
+        (low, high) = (low.min(place), high.max(place));
+    }
+    // A voxel that positions reach by less than an eighth never has the largest of eight weights.
+    let whole = |v: f64| v.clamp(-1e15, 1e15) as i64;
+    let low = (low + MARGIN).floor().to_array().map(whole);
+    let high = (high - MARGIN).ceil().to_array().map(whole);
+    (low, high)
+}

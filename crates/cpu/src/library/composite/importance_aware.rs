@@ -1,0 +1,207 @@
+//! Importance-aware compositing (F. de Moura Pinto and C. M. D. S. Freitas 2010): what is more important than all before it
+//! shines through.
+
+use super::rule::{Rule, Sample};
+use super::state::State;
+use crate::elementary::{exp_of_negative, ln_of_share, powers_of_share};
+use crate::lanes::{F32s, Mask, Vec3s, dot, each, length, scale, unit};
+use crate::levels::{Level, vectorized};
+use crate::library::classify::Surface;
+
+/// By a measure of importance. Of a [`State`] it uses `colour` and `alpha`, and `value`, the importance so far.
+#[derive(Clone, Copy)]
+pub struct ImportanceAware {
+    pub measure: u32,
+    pub gain: f32,
+    pub first: f32,
+    pub second: f32,
+    pub third: f32,
+    pub full_per_mm: f32,
+    pub low: f32,
+    pub high: f32,
+}
+
+impl ImportanceAware {
+    /// The importance of the samples `asked` before the gain.
+    #[inline(never)]
+    fn importance<S: Level>(&self, sample: &Sample<S>, asked: Mask<S>) -> F32s<S> {
+        vectorized::<S, _>(
+            #[inline(always)]
+            || {
+                let (zero, one) = (F32s::zero(), F32s::splat(1.0));
+                if self.measure == 4 {
+                    return one;
+                }
+                if self.measure == 3 {
+                    let share = (sample.value - F32s::splat(self.low))
+                        .over(F32s::splat(self.high - self.low));
+                    return share.max(zero).min(one);
+                }
+                let change = sample.gradient(asked);
+                let steepness = length(change)
+                    .over(F32s::splat(self.full_per_mm))
+                    .max(zero)
+                    .min(one);
+                if self.measure == 0 {
+                    return steepness;
+                }
+                let (normal, has_normal) = unit(change);
+                let cosine = dot(normal, *sample.crossing.to_eye);
+                let facing = has_normal.select(cosine.max(-cosine).min(one), zero);
+                self.of_surface(steepness, facing)
+            },
+        )
+    }
+
+    /// That of a place of this steepness; `facing` is the cosine of its normal to the eye.
+    #[inline(always)]
+    fn of_surface<S: Level>(&self, steepness: F32s<S>, facing: F32s<S>) -> F32s<S> {
+        let (zero, one) = (F32s::zero(), F32s::splat(1.0));
+        let power = |x: F32s<S>, e: f32| powers_of_share(x, F32s::splat(e));
+        if self.measure == 2 {
+            return F32s::splat(3.0)
+                - power(facing, self.first)
+                - power(facing, self.second)
+                - power(one - steepness, self.third);
+        }
+        let (slant, begin) = (one - facing, F32s::splat(self.second));
+        let width = self.third - self.second;
+        let ramp = match width == 0.0 {
+            true => begin.le(slant).select(one, zero),
+            false => (slant - begin).over(F32s::splat(width)),
+        };
+        let ramp = ramp.max(zero).min(one);
+        power(steepness, self.first) * ramp * ramp * (F32s::splat(3.0) - ramp - ramp)
+    }
+}
+
+/// What is seen so far, and how important it is.
+pub struct Accumulated<S: Level> {
+    /// Premultiplied.
+    pub colour: Vec3s<S>,
+    pub alpha: F32s<S>,
+    pub importance: F32s<S>,
+}
+
+impl<S: Level> Accumulated<S> {
+    /// Adds samples of this colour, premultiplied, opacity, above 0, and importance where `visible`: section 4 of the
+    /// paper.
+    #[inline(always)]
+    pub fn add(&mut self, visible: Mask<S>, colour: Vec3s<S>, opacity: F32s<S>, own: F32s<S>) {
+        let (zero, one) = (F32s::zero(), F32s::splat(1.0));
+        let rise = own - self.importance;
+        let is_more = visible & zero.lt(rise);
+        // How much of what lies before may still be seen.
+        let rest = exp_of_negative((-rise).min(zero));
+        let is_hidden = is_more & (one - self.alpha).lt(one - rest);
+        let kept = is_hidden.select(rest.over(is_hidden.select(self.alpha, one)), one);
+        let passing = one - opacity;
+        let modulated = kept * self.alpha * passing + opacity;
+        let alpha = self.alpha * passing + opacity;
+        let ratio = alpha.over(visible.select(modulated, one));
+        let behind = one - kept * self.alpha;
+        let mixed = each!([0, 1, 2], |c| {
+            (kept * self.colour[c] + behind * colour[c]) * ratio
+        });
+        let accumulated = own + ln_of_share(opacity + passing * rest);
+        self.colour = visible.select3(mixed, self.colour);
+        self.alpha = visible.select(alpha, self.alpha);
+        self.importance = is_more.select(self.importance.max(accumulated), self.importance);
+    }
+}
+
+impl Rule for ImportanceAware {
+    #[inline(always)]
+    fn add<S: Level>(&self, state: &mut State<S>, sample: &Sample<S>) -> Mask<S> {
+        let mut normal = state.last_normal;
+        let look = sample.look(&mut normal);
+        state.last_normal = normal;
+        if look.visible.any() {
+            let own = self.importance(sample, look.visible) * F32s::splat(self.gain);
+            let Surface { colour, opacity } = look.surface;
+            let mut seen = Accumulated {
+                colour: state.colour,
+                alpha: state.alpha,
+                importance: state.value,
+            };
+            // Shading may have left nothing of it.
+            let adding = look.visible & F32s::zero().lt(opacity);
+            seen.add(adding, scale(colour, opacity), opacity, own);
+            (state.colour, state.alpha, state.value) = (seen.colour, seen.alpha, seen.importance);
+        }
+        look.visible
+    }
+
+    /// Where nothing more important can come, and too little would come through.
+    #[inline(always)]
+    fn done<S: Level>(&self, state: &State<S>) -> Mask<S> {
+        let most = if self.measure == 2 { 3.0 } else { 1.0 };
+        let passing = F32s::splat(1.0) - state.alpha;
+        let is_opaque = passing.lt(F32s::splat(1.0 / 256.0));
+        is_opaque & F32s::splat(self.gain * most).le(state.value)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::levels::Portable;
+
+    fn white(alpha: f32, importance: f32) -> Accumulated<Portable> {
+        Accumulated {
+            colour: [F32s::splat(alpha); 3],
+            alpha: F32s::splat(alpha),
+            importance: F32s::splat(importance),
+        }
+    }
+
+    /// Adds something black.
+    fn add(seen: &mut Accumulated<Portable>, opacity: f32, importance: f32) {
+        let (opacity, own) = (F32s::splat(opacity), F32s::splat(importance));
+        seen.add(!Mask::none(), [F32s::zero(); 3], opacity, own);
+    }
+
+    fn near(got: F32s<Portable>, expected: f64) {
+        let got = f64::from(got.lane(0));
+        assert!((got - expected).abs() < 2e-6, "{got} instead of {expected}");
+    }
+
+    #[test]
+    fn a_worked_example() {
+        let mut seen = white(0.9, 0.0);
+        add(&mut seen, 0.5, 1.0);
+        near(seen.alpha, 0.95);
+        near(seen.importance, 0.620_115);
+        // White before black: what is left of it is m · A · A_new / A', with m 0.408755 and A' 0.683940.
+        near(seen.colour[0], 0.408_755 * 0.9 * 0.95 / 0.683_940);
+    }
+
+    #[test]
+    fn importance_never_decreases_and_opacity_is_that_of_emission_and_absorption() {
+        let mut seen = white(0.0, 0.0);
+        let (mut passing, mut before) = (1.0f64, 0.0f32);
+        for i in 0..200u32 {
+            let [opacity, importance] = [97, 61].map(|n| (i * n % 41) as f32 / 41.0);
+            if opacity == 0.0 {
+                continue;
+            }
+            add(&mut seen, 0.2 * opacity, 3.0 * importance);
+            passing *= 1.0 - f64::from(0.2 * opacity);
+            near(seen.alpha, 1.0 - passing);
+            assert!(seen.importance.lane(0) >= before);
+            before = seen.importance.lane(0);
+            assert!((-1e-6..=1.0 + 1e-5).contains(&seen.colour[0].lane(0)));
+        }
+        assert!(before > 2.0);
+    }
+
+    #[test]
+    fn equal_importance_is_emission_and_absorption() {
+        let mut seen = white(0.6, 2.0);
+        add(&mut seen, 0.5, 2.0);
+        near(seen.colour[0], 0.6);
+        near(seen.importance, 2.0);
+        add(&mut seen, 1.0, 1.0);
+        near(seen.importance, 2.0);
+    }
+}

@@ -1,0 +1,243 @@
+//! Scenes with labels: the Plan of a volume → that of its segments.
+
+use crate::places::check_labels;
+use crate::plan::{
+    Composite, GlobalRule, GradientInput, Plan, PlanLight, Sampling, Segments, Shade, Technique,
+};
+use crate::planning::{place_depths, plan_lights, plan_of};
+use crate::problem::Checker;
+use crate::settled::Settled;
+use crate::{
+    Headers, LabelHeader, Method, PresetInfo, Scene, SegmentComposite, SegmentTechnique,
+    SegmentUse, Shading, ShadingModel, segments, technique,
+};
+use std::collections::BTreeMap;
+use strahl_volume::Grid;
+
+/// `plan` with the segments of the scene's labels, if it has some.
+pub(crate) fn with_segments(
+    mut plan: Plan,
+    scene: &Scene,
+    headers: &Headers,
+    checker: &mut Checker,
+) -> Option<Plan> {
+    let (techniques, uses) = merged(scene);
+    let (techniques, uses) = (&techniques, &uses[..]);
+    segments::check(
+        scene.segments.as_deref().unwrap_or(&[]),
+        techniques,
+        checker,
+    );
+    let Some(labels) = &headers.labels else {
+        return Some(plan);
+    };
+    let grid = label_grid(labels, &plan, headers, checker)?;
+    check_beside_segments(&plan, scene, checker);
+    let own = plan.techniques.swap_remove(0);
+    plan.techniques.clear();
+    let mut numbers = BTreeMap::new();
+    for name in segments::techniques_of(uses, labels) {
+        let drawn = match name.as_str() {
+            technique::SCENE => Some((own.clone(), false)),
+            name => {
+                let solid = SegmentTechnique::default();
+                // One that there is not is a problem already.
+                let said = techniques
+                    .get(name)
+                    .or((name == technique::SOLID).then_some(&solid));
+                said.and_then(|said| {
+                    let technique = planned(said, name, scene, headers, checker)?;
+                    Some((technique, !said.has_colors()))
+                })
+            }
+        };
+        let Some((technique, is_colored)) = drawn else {
+            continue;
+        };
+        numbers.insert(name, (plan.techniques.len(), is_colored));
+        plan.techniques.push(technique);
+    }
+    if plan.techniques.is_empty() {
+        plan.techniques.push(own);
+    }
+    let is_lit = plan
+        .techniques
+        .iter()
+        .any(|t| matches!(t.shade, Shade::Lit { .. }));
+    if is_lit && plan.lights.is_empty() && scene.lights.is_none() {
+        plan.lights = default_lights(scene, headers, &plan);
+    }
+    plan.global_rule = match scene
+        .composite
+        .unwrap_or(SegmentComposite::EmissionAbsorption)
+    {
+        SegmentComposite::EmissionAbsorption => plan.global_rule,
+        SegmentComposite::Mip => GlobalRule::Mip,
+        SegmentComposite::Average => GlobalRule::Average,
+        SegmentComposite::First => GlobalRule::First,
+        SegmentComposite::ImportanceAware => GlobalRule::ImportanceAware,
+    };
+    let compositing = plan.compositing;
+    let number = |name: &str| numbers.get(name).copied();
+    let labelled = segments::plan(uses, labels, grid, compositing, number);
+    plan.layers[0].segments = Segments::Labelled(Box::new(labelled));
+    // Techniques do not know the camera.
+    place_depths(&mut plan);
+    Some(plan)
+}
+
+/// The techniques of the preset and those of the scene; the uses of the preset, then those of the scene, which count more.
+fn merged(scene: &Scene) -> (BTreeMap<String, SegmentTechnique>, Vec<SegmentUse>) {
+    let preset = scene.preset.as_deref().and_then(PresetInfo::find);
+    let preset = preset.map(PresetInfo::scene).unwrap_or_default();
+    let mut techniques = preset.techniques.unwrap_or_default();
+    techniques.extend(scene.techniques.clone().unwrap_or_default());
+    let mut uses = preset.segments.unwrap_or_default();
+    uses.extend(scene.segments.clone().unwrap_or_default());
+    (techniques, uses)
+}
+
+/// The lights of a scene that is lit by nothing but its segments.
+fn default_lights(scene: &Scene, headers: &Headers, plan: &Plan) -> Vec<PlanLight> {
+    let lit = Scene {
+        shading: Some(Shading {
+            model: Some(ShadingModel::Lambert),
+            ..Shading::default()
+        }),
+        ..scene.clone()
+    };
+    let mut unheard = Checker::default();
+    let settled = Settled::new(&lit, headers, &mut unheard);
+    plan_lights(
+        &settled,
+        true,
+        Some(&plan.camera),
+        plan.compositing,
+        &mut unheard,
+    )
+}
+
+/// Where the labels lie: they move with the volume.
+fn label_grid(
+    labels: &LabelHeader,
+    plan: &Plan,
+    headers: &Headers,
+    checker: &mut Checker,
+) -> Option<Grid> {
+    let (volume, field) = (&headers.volumes[0].grid, plan.field());
+    if !field.is_moved {
+        return check_labels(volume, &labels.grid, checker).then_some(labels.grid);
+    }
+    check_labels(volume, &labels.grid, checker);
+    let moved = field.grid.world_from_voxel() * volume.voxel_from_world();
+    Grid::new(labels.grid.dims(), moved * labels.grid.world_from_voxel()).ok()
+}
+
+/// What segments do not go together with.
+fn check_beside_segments(plan: &Plan, scene: &Scene, checker: &mut Checker) {
+    if plan.layers.len() > 1 {
+        checker.add(
+            "objects",
+            "volumes beside segments of labels",
+            "meshes and groups only, or no `labels`",
+        );
+    }
+    if plan.sampling != Sampling::Regular {
+        checker.add(
+            "sampling",
+            format!("{:?} with segments of labels", plan.sampling.name()),
+            "\"regular\", or no `labels`",
+        );
+    }
+    if scene.debug.is_some() {
+        checker.add(
+            "debug",
+            "set with segments of labels",
+            "nothing, or no `labels`",
+        );
+    }
+    for (slot, function) in scene.functions.iter().flatten() {
+        if function.is_file() && ["classify", "shade", "composite"].contains(&slot.as_str()) {
+            checker.add(
+                format!("functions.{slot}.module"),
+                format!("{:?} with segments of labels", function.module),
+                "a function of the library, or no `labels`",
+            );
+        }
+    }
+}
+
+/// Tells a technique whose gradient is that of membership how steep that is at a flat border, where it would else be told
+/// how steep values are; unless `said` says so.
+fn measure_by_membership(technique: &mut Technique, said: &SegmentTechnique, steep_per_mm: f64) {
+    let steep_per_mm = steep_per_mm as f32;
+    let of_composite = said.functions.as_ref().and_then(|all| all.get("composite"));
+    let is_said = of_composite.is_some_and(|used| used.params.contains_key("full_per_mm"));
+    match &mut technique.composite {
+        Composite::ContextPreserving { full_per_mm, .. }
+        | Composite::ImportanceAware { full_per_mm, .. }
+            if !is_said =>
+        {
+            *full_per_mm = steep_per_mm;
+        }
+        _ => {}
+    }
+    let is_said = said
+        .shading
+        .is_some_and(|shading| shading.full_per_mm.is_some());
+    if let (Shade::GradientOpacity { full_per_mm }, false) = (&mut technique.shade, is_said) {
+        *full_per_mm = steep_per_mm;
+    }
+}
+
+/// The technique called `name` of `scene`; what is wrong stands under its keys.
+fn planned(
+    said: &SegmentTechnique,
+    name: &str,
+    scene: &Scene,
+    headers: &Headers,
+    checker: &mut Checker,
+) -> Option<Technique> {
+    let mut own = Checker::default();
+    let plan = plan_of(&said.scene(scene), headers, &mut own);
+    let keys = [
+        "preset",
+        "method",
+        "threshold",
+        "blend",
+        "transfer_function",
+        "shading",
+        "gradient",
+        "functions",
+    ];
+    let before = checker.problems.len();
+    for mut problem in own.problems {
+        let key = problem.path.split(['.', '[']).next().unwrap_or_default();
+        // The others are those of the scene.
+        if keys.contains(&key) {
+            let path = problem.path.replacen("gradient.of", "gradient_of", 1);
+            problem.path = format!("techniques.{name}.{path}");
+            checker.problems.push(problem);
+        }
+    }
+    let plan = plan?;
+    let spacing_mm = plan.field().grid.mean_spacing_mm();
+    let mut technique = plan.techniques.into_iter().next()?;
+    if technique.gradient_input == GradientInput::Segment {
+        measure_by_membership(&mut technique, said, 0.5 / spacing_mm);
+    }
+    if !technique.composite.is_local() {
+        let local: Vec<_> = Method::ALL
+            .into_iter()
+            .filter(|m| m.is_local())
+            .map(Method::name)
+            .collect();
+        let word = technique.composite.function().word;
+        checker.add(
+            format!("techniques.{name}.method"),
+            format!("{word:?}, which makes no sample of a run"),
+            &local.join(", "),
+        );
+    }
+    (checker.problems.len() == before).then_some(technique)
+}

@@ -1,0 +1,3 @@
+fn membership(position: vec3f) -> f32 {
+    return 1.0;
+}
