@@ -18,10 +18,10 @@ const DIMS: [usize; 3] = [72, 90, 114];
 
 const HEAD: &str = "# Gallery
 
-One picture per variant of every step of the ray: the phantom `anatomy` of 72 × 90 × 114 voxels, each scene as small
-as it can be. `cargo xtask gallery` draws it anew, on the CPU, and on the graphics adapter beside it: *alike* is the peak signal to
-noise ratio between both in dB, *off* the number of pixels with a channel off by more than 8/255, and of those outside
-silhouettes.
+One picture per variant of every step of the ray. Each scene draws the phantom `anatomy` with 72 × 90 × 114 voxels and sets as few keys as
+possible. `cargo xtask gallery` draws all pictures again, on the CPU and on the graphics adapter. *Alike* is the peak signal-to-noise
+ratio between both in dB. *Off* is the number of pixels in which a channel differs by more than 8/255, and the number of those
+outside silhouettes.
 
 ";
 
@@ -37,7 +37,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let device = Device::open(None);
     let mut page = HEAD.to_owned();
     match &device {
-        Ok(device) => writeln!(page, "Drawn beside: {}.\n", device.adapter())?,
+        Ok(device) => writeln!(page, "Graphics adapter: {}.\n", device.adapter())?,
         Err(error) => return Err(format!("the gallery compares with an adapter: {error}").into()),
     }
     let device = device?;

@@ -2,15 +2,15 @@
 
 /// How alike the two forms of a function have to be.
 #[derive(Clone, Copy, Debug)]
-pub struct Alike {
+pub struct Tolerance {
     /// Largest difference of a linear channel, where 1 is white.
     pub tolerance: f32,
     /// Share of the pixels that may be off by more, because a decision falls the other way.
     pub flips: f64,
 }
 
-const fn alike(tolerance: f32, flips: f64) -> Alike {
-    Alike { tolerance, flips }
+const fn alike(tolerance: f32, flips: f64) -> Tolerance {
+    Tolerance { tolerance, flips }
 }
 
 /// Arithmetic in single precision, in another order.
@@ -24,7 +24,7 @@ const TURNED: f32 = 1e-3;
 pub const HARDWARE_WEIGHTS: f32 = 6.0 / 512.0;
 
 /// How alike the functions of a slot are unless [`EXCEPTIONS`] has the function.
-fn of_slot(slot: &str) -> Alike {
+fn of_slot(slot: &str) -> Tolerance {
     match slot {
         // A sample that lies on a face is on either side of it.
         "clip_ray" | "clip_sample" => alike(ROUNDING, 0.005),
@@ -36,7 +36,7 @@ fn of_slot(slot: &str) -> Alike {
 }
 
 /// The functions that are alike in another way than their slot, by slot and name.
-pub const EXCEPTIONS: &[(&str, Alike)] = &[
+pub const EXCEPTIONS: &[(&str, Tolerance)] = &[
     // Triangles are drawn on one, and met by rays on the other: edges.
     ("clip_ray/depth", alike(ROUNDING, 0.01)),
     // The sine of a large number, whose last bits the shift is made of.
@@ -63,7 +63,7 @@ pub const EXCEPTIONS: &[(&str, Alike)] = &[
 ];
 
 /// How alike the two forms of a function, slot and name, have to be.
-pub fn alike_of(slot: &str, function: &str) -> Alike {
+pub fn alike_of(slot: &str, function: &str) -> Tolerance {
     let is_it = |of: &str| of.split_once('/') == Some((slot, function));
     let found = EXCEPTIONS.iter().find(|(of, _)| is_it(of));
     found.map_or(of_slot(slot), |(_, alike)| *alike)

@@ -11,7 +11,7 @@ use std::path::Path;
 #[path = "src/parameter.rs"]
 mod parameter;
 
-use parameter::{Beside, Parameter, Scalar};
+use parameter::{Parameter, ParameterRelation, Scalar};
 
 /// An enum of the Plan: its name, what it is, and variants that are no function of their own.
 type Enum = (&'static str, &'static str, &'static str);
@@ -237,8 +237,12 @@ fn table(functions: &[Function], text: &mut String) -> Result<()> {
             let borrowed = |text: &str| format!("Cow::Borrowed({text:?})");
             let beside = match &p.beside {
                 None => "None".to_owned(),
-                Some(Beside::Not(other)) => format!("Some(Beside::Not({}))", borrowed(other)),
-                Some(Beside::Above(other)) => format!("Some(Beside::Above({}))", borrowed(other)),
+                Some(ParameterRelation::Not(other)) => {
+                    format!("Some(ParameterRelation::Not({}))", borrowed(other))
+                }
+                Some(ParameterRelation::Above(other)) => {
+                    format!("Some(ParameterRelation::Above({}))", borrowed(other))
+                }
             };
             let unit = match &p.unit {
                 None => "None".to_owned(),
@@ -276,10 +280,10 @@ fn described(p: &Parameter) -> String {
     if low > f64::from(f32::MIN) && high < f64::from(u32::MAX) {
         text += &format!(" {low} to {high}.");
     }
-    if let Some(Beside::Not(other)) = &p.beside {
+    if let Some(ParameterRelation::Not(other)) = &p.beside {
         text += &format!(" Not `{other}`.");
     }
-    if let Some(Beside::Above(other)) = &p.beside {
+    if let Some(ParameterRelation::Above(other)) = &p.beside {
         text += &format!(" Above `{other}`.");
     }
     text

@@ -5,7 +5,7 @@ pub mod graph;
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use strahl_volume::read::mesh::{self, MeshSpace};
-use strahl_volume::read::{Loaded, MemoryFiles, ReadOptions, read_file, read_folder};
+use strahl_volume::read::{LoadedVolume, MemoryFiles, ReadOptions, read_file, read_folder};
 
 /// Stands between the files of one input (a header and its data, the slices of a series).
 pub const SEPARATOR: &[u8] = b"\n--next file--\n";
@@ -116,7 +116,7 @@ pub fn read_mesh(name: &str, input: &[u8]) {
 }
 
 /// What must hold for every volume, whatever the file said.
-fn check_loaded(loaded: &Loaded) {
+fn check_loaded(loaded: &LoadedVolume) {
     let volume = &loaded.volume;
     let grid = volume.grid();
     assert_eq!(volume.samples().len(), grid.voxel_count());

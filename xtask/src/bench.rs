@@ -137,7 +137,7 @@ fn machine() -> String {
     let now = SystemTime::now().duration_since(UNIX_EPOCH);
     let days = now.map_or(0, |since| since.as_secs() / 86_400);
     format!(
-        "Taken on {} on {cores} processors ({model}{family}{set}){memory}.",
+        "Measured on {} on {cores} CPU cores ({model}{family}{set}){memory}.",
         date(days)
     )
 }

@@ -30,7 +30,7 @@ impl SetUp {
     /// Of the ray from `origin` along `direction`; `None` where it may do anything: along a face, or at one so
     /// flat that nobody can say where it is met.
     pub fn new(plan: &Plan, origin: DVec3, direction: DVec3) -> Option<SetUp> {
-        let ray = Rounded::new(plan, origin, direction);
+        let ray = RoundedRay::new(plan, origin, direction);
         let grid = &plan.field().grid;
         let map = grid.voxel_from_world();
         let mut part = Part {
@@ -88,15 +88,15 @@ impl SetUp {
 }
 
 /// A ray, and what each component of its start and direction may be off by.
-struct Rounded {
+struct RoundedRay {
     origin: DVec3,
     direction: DVec3,
     origin_doubt: DVec3,
     direction_doubt: DVec3,
 }
 
-impl Rounded {
-    fn new(plan: &Plan, origin: DVec3, direction: DVec3) -> Rounded {
+impl RoundedRay {
+    fn new(plan: &Plan, origin: DVec3, direction: DVec3) -> RoundedRay {
         let camera = &plan.camera;
         let aspect = f64::from(plan.width) / f64::from(plan.height);
         let (is_perspective, half_height) = match camera.projection {
@@ -120,7 +120,7 @@ impl Rounded {
             let eye = HALF_ULP * (camera.eye_mm.abs() + origin.abs());
             (eye + offset, HALF_ULP * direction.abs())
         };
-        Rounded {
+        RoundedRay {
             origin,
             direction,
             origin_doubt,

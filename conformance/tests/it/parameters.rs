@@ -3,7 +3,7 @@
 use crate::random::Random;
 use std::collections::HashMap;
 use strahl_shader::registry::Function;
-use strahl_shader::{Beside, Parameter, Scalar};
+use strahl_shader::{Parameter, ParameterRelation, Scalar};
 
 /// Narrower than the text allows, by name, with the reason.
 const NARROWER: &[(&str, [f64; 2])] = &[
@@ -79,7 +79,8 @@ fn is_bounded(parameter: &Parameter) -> bool {
 
 /// Which part of the values it is drawn from.
 fn part_of_values(function: &Function, parameter: &Parameter) -> [f64; 2] {
-    let is_other = |p: &Parameter| p.beside.as_ref().map(Beside::other) == Some(&*parameter.name);
+    let is_other =
+        |p: &Parameter| p.beside.as_ref().map(ParameterRelation::other) == Some(&*parameter.name);
     if parameter.beside.is_some() {
         [0.75, 1.0]
     } else if function.parameters.iter().any(is_other) {

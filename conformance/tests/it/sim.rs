@@ -6,7 +6,7 @@ use strahl_scene::plan::{Plan, Projection};
 use strahl_scene::{Scene, resolve};
 use strahl_sim::spec::{Optimisation, Shading, Widths};
 use strahl_sim::study::psnr_db;
-use strahl_sim::{Frame, Nobody, Spec, VolumeStore, run};
+use strahl_sim::{Frame, NoObserver, Spec, VolumeStore, run};
 use strahl_volume::{Control, Phantom, Volume};
 
 const EDGE: usize = 48;
@@ -51,7 +51,7 @@ fn simulated(volume: &Volume, widths: Widths) -> Vec<f32> {
     spec.look.gradient_weighting = false;
     spec.view.pixel = 0.5;
     let frame = Frame::new(&spec, &VolumeStore::new(volume).unwrap()).unwrap();
-    let drawn = run(&frame, &mut Nobody, &strahl_sim::no_progress).unwrap();
+    let drawn = run(&frame, &mut NoObserver, &strahl_sim::no_progress).unwrap();
     assert_eq!(drawn.size, [PIXELS, PIXELS]);
     drawn.picture
 }

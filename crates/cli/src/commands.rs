@@ -10,12 +10,12 @@ mod scene;
 mod shader;
 pub mod sim;
 
-use crate::flags::{Command, CompletionsFlags, Flags};
+use crate::flags::{Command, CompletionsFlags, Flags, ManFlags};
 use crate::print;
-use anyhow::Result;
+use anyhow::{Context, Result};
 use clap::CommandFactory;
 
-/// Does what was typed.
+/// Runs the command.
 pub fn run(flags: Flags) -> Result<()> {
     let quiet = flags.quiet;
     match flags.command {
@@ -29,7 +29,15 @@ pub fn run(flags: Flags) -> Result<()> {
         Command::Presets(flags) => presets::run(&flags),
         Command::Sim(command) => sim::run(&command, quiet),
         Command::Completions(flags) => completions(&flags),
+        Command::Man(flags) => manual(&flags),
     }
+}
+
+fn manual(flags: &ManFlags) -> Result<()> {
+    let folder = &flags.folder;
+    std::fs::create_dir_all(folder)
+        .and_then(|()| clap_mangen::generate_to(Flags::command(), folder))
+        .with_context(|| format!("{}: the manual pages cannot be written", folder.display()))
 }
 
 fn completions(flags: &CompletionsFlags) -> Result<()> {

@@ -1,4 +1,4 @@
-//! The table of everything that can be typed. Meanings and checks are in [`crate::args`].
+//! All commands and flags. [`crate::args`] checks their values.
 
 mod read;
 mod sim;
@@ -9,23 +9,62 @@ pub use sim::{
 };
 
 use clap::builder::PossibleValuesParser;
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::ffi::OsString;
 use std::path::PathBuf;
 use strahl::scene::{DebugView, ShadingModel, ToneMap};
 use strahl::volume::Phantom;
 use strahl::{ColorMap, Method, View, presets};
 
-/// A volume renderer: from a scan to a picture.
+/// A volume renderer: reads CT, MR, microscopy and simulation data and draws it.
 #[derive(Debug, Parser)]
-#[command(version, propagate_version = true, subcommand_required = true)]
+#[command(
+    name = "strahl",
+    version,
+    propagate_version = true,
+    subcommand_required = true
+)]
 #[command(arg_required_else_help = true, max_term_width = 100)]
 pub struct Flags {
     #[command(subcommand)]
     pub command: Command,
 
-    /// Print no progress and no notes
+    /// Print errors only: no progress, no notes
     #[arg(long, short, global = true, help_heading = "General")]
     pub quiet: bool,
+}
+
+impl Flags {
+    /// The parsed command line. Ends the program after `--help` and after wrong usage.
+    pub fn from_command_line() -> Flags {
+        Flags::try_parse().unwrap_or_else(|mut error| {
+            suggest_output(&mut error, std::env::args_os());
+            error.exit()
+        })
+    }
+}
+
+/// Adds a suggestion to `error` if the output is missing and an argument looks like one:
+/// `strahl render in.nii out.png`.
+fn suggest_output(error: &mut clap::Error, arguments: impl Iterator<Item = OsString>) {
+    if error.kind() != ErrorKind::MissingRequiredArgument || !error.to_string().contains("--output")
+    {
+        return;
+    }
+    let is_picture = |path: &PathBuf| {
+        let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
+        extension == "png" || extension == "exr"
+    };
+    // A lone picture is an input: it contains a scene.
+    let inputs: Vec<PathBuf> = arguments.skip(2).map(PathBuf::from).collect();
+    if let Some(picture) = inputs.iter().skip(1).rfind(|path| is_picture(path)) {
+        let suggestion = format!("did you mean '-o {}'?", picture.display());
+        error.insert(
+            ContextKind::Suggested,
+            ContextValue::StyledStrs(vec![suggestion.into()]),
+        );
+    }
 }
 
 #[derive(Debug, Subcommand)]
@@ -34,32 +73,35 @@ pub enum Command {
     Demo(Box<DemoFlags>),
     Info(InfoFlags),
     Convert(ConvertFlags),
-    /// What scenes may say, whether one is right, and all that one means
+    /// Check a scene, print it with every default filled in, or print the JSON schema
     #[command(subcommand)]
     Scene(SceneCommand),
-    /// The functions of the ray: the library, and a check of your own
+    /// List, print and check shader functions, the exchangeable steps of the ray
     #[command(subcommand)]
     Shader(ShaderCommand),
-    /// Rays programmed by wiring typed nodes: the graph that draws a scene, and your own
+    /// Print, check and draw render graphs
     #[command(subcommand)]
     Graph(GraphCommand),
     Presets(PresetsFlags),
-    /// A model of a ray-casting processor, clock by clock
+    /// Simulate a ray-casting processor clock by clock
     #[command(subcommand)]
     Sim(SimCommand),
     Completions(CompletionsFlags),
+    Man(ManFlags),
 }
 
-/// Draw a volume, a scene, or a picture again
+/// Draw a volume or a scene
 #[derive(Debug, Args)]
-#[command(after_help = RENDER_EXAMPLES)]
+#[command(after_help = RENDER_SHORT_EXAMPLES, after_long_help = RENDER_EXAMPLES)]
 pub struct RenderFlags {
-    /// A volume file, a folder with one series, or the slices of one series; or a scene, or a picture
-    /// that Strahl made, and after it the volume to draw instead of its own
+    /// A volume (file, DICOM folder, slices), a scene, or a picture made by Strahl
+    ///
+    /// A picture made by Strahl contains its scene. A volume after a scene or picture is drawn in place
+    /// of the scene's own.
     #[arg(required = true, value_name = "SCENE | VOLUME")]
     pub inputs: Vec<PathBuf>,
 
-    /// The picture: .png or .exr
+    /// The picture to write: .png or .exr
     #[arg(long, short, value_name = "PICTURE")]
     pub output: PathBuf,
 
@@ -73,6 +115,11 @@ pub struct RenderFlags {
     pub read: ReadFlags,
 }
 
+const RENDER_SHORT_EXAMPLES: &str = "Examples:
+  strahl render head.nii.gz -o head.png
+  strahl render dicom-folder/ -o head.png --preset ct-bone --view left
+  strahl render head.png -o again.png --azimuth 30";
+
 const RENDER_EXAMPLES: &str = "Examples:
   strahl render head.nii.gz -o head.png
   strahl render dicom-folder/ -o head.png --preset ct-bone --view left
@@ -83,7 +130,7 @@ const RENDER_EXAMPLES: &str = "Examples:
   strahl render scene.json other-head.nii.gz -o other.png
   strahl render head.png -o again.png --view back";
 
-/// Draw a built-in phantom: a picture without any file
+/// Draw a built-in phantom, without any file
 #[derive(Debug, Args)]
 #[command(after_help = DEMO_EXAMPLES)]
 pub struct DemoFlags {
@@ -91,11 +138,11 @@ pub struct DemoFlags {
     #[arg(default_value = "anatomy", value_parser = PossibleValuesParser::new(Phantom::NAMES))]
     pub phantom: String,
 
-    /// The picture: .png or .exr
+    /// The picture to write: .png or .exr
     #[arg(long, short, value_name = "PICTURE", default_value = "strahl-demo.png")]
     pub output: PathBuf,
 
-    /// Voxels along x, y, z; without, enough to show the phantom well
+    /// Number of voxels along x, y and z [default: depends on phantom]
     #[arg(long, value_name = "X,Y,Z")]
     pub dims: Option<String>,
 
@@ -111,121 +158,174 @@ const DEMO_EXAMPLES: &str = "Examples:
   strahl demo --preset ct-soft-tissue --view left -o head.png
   strahl demo hydrogen --azimuth 40";
 
-/// What is drawn and how; each of these overrides the scene.
+/// What is drawn and how; each flag overrides the scene.
 #[derive(Debug, Default, Args)]
 #[command(next_help_heading = "Look")]
 pub struct DrawFlags {
-    /// Look of a preset instead of the scene's own (`strahl presets` lists them); without preset and
-    /// scene it is chosen from modality and values
+    /// Use the look of a preset; `strahl presets` lists them
+    ///
+    /// By default, the scene chooses the preset. Without a scene, modality and values choose it.
     #[arg(long, value_name = "NAME", hide_possible_values = true,
           value_parser = PossibleValuesParser::new(presets().iter().map(|preset| preset.name)))]
     pub preset: Option<String>,
 
-    /// A graph, or edits of the graph that the settings make, instead of the scene's own (`strahl graph`)
-    #[arg(long, value_name = "FILE")]
+    /// Draw by this graph, or apply these edits to the standard graph (see `strahl graph`)
+    #[arg(long, value_name = "FILE", hide_short_help = true)]
     pub graph: Option<PathBuf>,
 
-    /// How the samples of a ray become a pixel
+    /// Composite rule: how the samples of a ray become a pixel
     #[arg(long, value_name = "METHOD", visible_alias = "composite",
           value_parser = PossibleValuesParser::new(Method::ALL.map(Method::name)))]
     pub method: Option<String>,
 
-    /// The value of the surface that first-hit draws
-    #[arg(long, value_name = "VALUE", allow_negative_numbers = true)]
+    /// Value of the surface that first-hit draws
+    #[arg(
+        long,
+        value_name = "VALUE",
+        allow_negative_numbers = true,
+        hide_short_help = true
+    )]
     pub threshold: Option<f64>,
 
-    /// Width of the window of values that the transfer function is spread over
+    /// Width of the value window that the transfer function covers
     #[arg(long, value_name = "VALUES", allow_negative_numbers = true)]
     pub window: Option<f64>,
 
-    /// Middle of the window
+    /// Center of the value window
     #[arg(long, value_name = "VALUE", allow_negative_numbers = true)]
     pub level: Option<f64>,
 
-    /// Colours over the window
+    /// Color map over the value window
     #[arg(long, value_name = "MAP",
-          value_parser = PossibleValuesParser::new(ColorMap::ALL.map(ColorMap::name)))]
+          value_parser = PossibleValuesParser::new(ColorMap::ALL.map(ColorMap::name)), hide_short_help = true)]
     pub color_map: Option<String>,
 
-    /// Opacity at the low and at the high end of the window, each 0 to 1
-    #[arg(long, value_name = "LOW,HIGH", allow_hyphen_values = true)]
+    /// Opacity at the low and the high end of the value window, each 0 to 1
+    #[arg(
+        long,
+        value_name = "LOW,HIGH",
+        allow_hyphen_values = true,
+        hide_short_help = true
+    )]
     pub opacity: Option<String>,
 
-    /// Light on surfaces, or the plain colours
+    /// Shading model; unlit shows the plain colors
     #[arg(long, value_name = "MODEL",
-          value_parser = PossibleValuesParser::new(ShadingModel::ALL.map(ShadingModel::name)))]
+          value_parser = PossibleValuesParser::new(ShadingModel::ALL.map(ShadingModel::name)), hide_short_help = true)]
     pub shade: Option<String>,
 
-    /// Draw the segments of this label volume, each in its color
+    /// Draw the segments of this label volume, each in its own color
     #[arg(long, value_name = "FILE", help_heading = "Segments")]
     pub labels: Option<PathBuf>,
 
-    /// Draw these segments and no others: an id, or a name with * and ?; repeatable
-    #[arg(long, value_name = "SEGMENT", help_heading = "Segments")]
+    /// Draw only these segments, given by id or by name with * and ?; repeatable
+    #[arg(
+        long,
+        value_name = "SEGMENT",
+        help_heading = "Segments",
+        hide_short_help = true
+    )]
     pub only: Vec<String>,
 
-    /// Draw these segments, too, 0 for the background; repeatable
-    #[arg(long, value_name = "SEGMENT", help_heading = "Segments")]
+    /// Also draw these segments, 0 for the background; repeatable
+    #[arg(
+        long,
+        value_name = "SEGMENT",
+        help_heading = "Segments",
+        hide_short_help = true
+    )]
     pub show: Vec<String>,
 
-    /// Leave out these segments; repeatable
-    #[arg(long, value_name = "SEGMENT", help_heading = "Segments")]
+    /// Hide these segments; repeatable
+    #[arg(
+        long,
+        value_name = "SEGMENT",
+        help_heading = "Segments",
+        hide_short_help = true
+    )]
     pub hide: Vec<String>,
 
-    /// Draw these segments solid and all others as a glimpse; repeatable
-    #[arg(long, value_name = "SEGMENT", help_heading = "Segments")]
+    /// Draw these segments solid and all others faintly; repeatable
+    #[arg(
+        long,
+        value_name = "SEGMENT",
+        help_heading = "Segments",
+        hide_short_help = true
+    )]
     pub highlight: Vec<String>,
 
-    /// Keep the side of a plane that its normal points to: the normal (RAS), and the plane's distance
-    /// from the world's origin in mm (without, it goes through the volume's centre); repeatable
+    /// Cut by a plane, keeping the side that its normal points to
+    ///
+    /// The numbers are the normal in RAS and the distance of the plane from the world origin in mm.
+    /// Without a distance the plane goes through the center of the volume. The flag is repeatable.
     #[arg(long, value_name = "X,Y,Z[,MM]", allow_hyphen_values = true)]
     pub clip_plane: Vec<String>,
 
-    /// Keep the inside of a box between two corners in RAS mm; repeatable
-    #[arg(long, value_name = "X,Y,Z,X,Y,Z", allow_hyphen_values = true)]
+    /// Cut by a box, given by two corners in RAS mm, and keep its inside; repeatable
+    #[arg(
+        long,
+        value_name = "X,Y,Z,X,Y,Z",
+        allow_hyphen_values = true,
+        hide_short_help = true
+    )]
     pub clip_box: Vec<String>,
 
-    /// What --clip-box counts in: RAS mm, voxels, or shares of the volume from 0 to 1
+    /// Space of --clip-box: RAS mm, voxels, or fractions of the volume from 0 to 1
     #[arg(long, value_name = "SPACE", requires = "clip_box",
-          value_parser = ["world", "voxels", "fraction"])]
+          value_parser = ["world", "voxels", "fraction"], hide_short_help = true)]
     pub clip_space: Option<String>,
 
-    /// Behind everything: "#rrggbb", black, white or transparent
-    #[arg(long, value_name = "COLOR")]
+    /// Background color: "#rrggbb", black, white or transparent
+    #[arg(long, value_name = "COLOR", hide_short_help = true)]
     pub background: Option<String>,
 
-    /// The same as --background transparent
-    #[arg(long, conflicts_with = "background")]
+    /// Same as --background transparent
+    #[arg(long, conflicts_with = "background", hide_short_help = true)]
     pub transparent: bool,
 
-    /// Multiply the light by this before it becomes display colours
-    #[arg(long, value_name = "FACTOR", allow_negative_numbers = true)]
+    /// Multiply the light by this factor before tone mapping
+    #[arg(
+        long,
+        value_name = "FACTOR",
+        allow_negative_numbers = true,
+        hide_short_help = true
+    )]
     pub exposure: Option<f64>,
 
-    /// How light above white is brought down
+    /// Tone map: how light brighter than white is compressed
     #[arg(long, value_name = "MAP",
-          value_parser = PossibleValuesParser::new(ToneMap::ALL.map(ToneMap::name)))]
+          value_parser = PossibleValuesParser::new(ToneMap::ALL.map(ToneMap::name)), hide_short_help = true)]
     pub tone_map: Option<String>,
 
-    /// The light that reinhard-extended and hable make white; without, 4 and 11.2
-    #[arg(long, value_name = "LIGHT", allow_negative_numbers = true)]
+    /// Light that becomes white with reinhard-extended and hable [default: 4 and 11.2]
+    #[arg(
+        long,
+        value_name = "LIGHT",
+        allow_negative_numbers = true,
+        hide_short_help = true
+    )]
     pub white_point: Option<f64>,
 
-    /// Encode PNG by the power 1/GAMMA instead of the curve of sRGB
-    #[arg(long, value_name = "GAMMA", allow_negative_numbers = true)]
+    /// Encode the PNG with the power 1/GAMMA instead of the sRGB curve
+    #[arg(
+        long,
+        value_name = "GAMMA",
+        allow_negative_numbers = true,
+        hide_short_help = true
+    )]
     pub gamma: Option<f64>,
 
-    /// Smooth jagged edges of the finished PNG; --fxaa=off takes it from a scene
+    /// Smooth jagged edges of the finished PNG; --fxaa=off overrides a scene
     #[arg(long, value_name = "on|off", num_args = 0..=1, require_equals = true,
-          default_missing_value = "on", value_parser = ["on", "off"], hide_possible_values = true)]
+          default_missing_value = "on", value_parser = ["on", "off"], hide_possible_values = true, hide_short_help = true)]
     pub fxaa: Option<String>,
 
-    /// The side that the volume is seen from; replaces the scene's camera
+    /// Side that the volume is seen from; replaces the scene's camera
     #[arg(long, value_name = "SIDE", help_heading = "Camera",
           value_parser = PossibleValuesParser::new(View::ALL.map(View::name)))]
     pub view: Option<String>,
 
-    /// Turn the camera about the up direction, to the right of the picture, in degrees
+    /// Turn the camera about the up direction, to the right of the picture
     #[arg(
         long,
         value_name = "DEG",
@@ -234,7 +334,7 @@ pub struct DrawFlags {
     )]
     pub azimuth: Option<f64>,
 
-    /// Turn the camera up, in degrees
+    /// Raise the camera
     #[arg(
         long,
         value_name = "DEG",
@@ -243,7 +343,7 @@ pub struct DrawFlags {
     )]
     pub elevation: Option<f64>,
 
-    /// Enlarge; 1 fits the sphere around the volume, without it its box fits
+    /// Enlarge; 1 fits the bounding sphere [default: the bounding box fits]
     #[arg(
         long,
         value_name = "FACTOR",
@@ -252,26 +352,27 @@ pub struct DrawFlags {
     )]
     pub zoom: Option<f64>,
 
-    /// How rays spread
+    /// Projection
     #[arg(long, value_name = "KIND", help_heading = "Camera",
-          value_parser = ["perspective", "orthographic"])]
+          value_parser = ["perspective", "orthographic"], hide_short_help = true)]
     pub projection: Option<String>,
 
-    /// The point that is looked at, RAS mm
+    /// Point that the camera looks at, RAS mm
     #[arg(
         long,
         value_name = "X,Y,Z",
         help_heading = "Camera",
-        allow_hyphen_values = true
+        allow_hyphen_values = true,
+        hide_short_help = true
     )]
     pub focus: Option<String>,
 
-    /// Put the eye here instead of on an orbit, RAS mm
+    /// Put the camera at this position instead of on an orbit, RAS mm
     #[arg(long, value_name = "X,Y,Z", help_heading = "Camera", allow_hyphen_values = true,
-          conflicts_with_all = ["view", "azimuth", "elevation"])]
+          conflicts_with_all = ["view", "azimuth", "elevation"], hide_short_help = true)]
     pub position: Option<String>,
 
-    /// Width and height of the picture in pixels
+    /// Width and height of the picture in pixels [default: 1024x1024]
     #[arg(long, value_name = "WxH", help_heading = "Quality")]
     pub size: Option<String>,
 
@@ -280,75 +381,88 @@ pub struct DrawFlags {
         long,
         value_name = "MM",
         help_heading = "Quality",
-        allow_negative_numbers = true
+        allow_negative_numbers = true,
+        hide_short_help = true
     )]
     pub step: Option<f64>,
 
-    /// Distance between samples in smallest voxel spacings; without both, 0.5
+    /// Distance between samples in units of the smallest voxel spacing [default: 0.5]
     #[arg(
         long,
         value_name = "VOXELS",
         help_heading = "Quality",
         allow_negative_numbers = true,
-        conflicts_with = "step"
+        conflicts_with = "step",
+        hide_short_help = true
     )]
     pub step_voxels: Option<f64>,
 
-    /// Start every ray elsewhere in its first step, to turn rings into grain
-    #[arg(long, value_name = "SEED", help_heading = "Quality")]
+    /// Shift the samples of every ray by a random part of a step: turns rings into grain
+    #[arg(
+        long,
+        value_name = "SEED",
+        help_heading = "Quality",
+        hide_short_help = true
+    )]
     pub jitter: Option<u32>,
 
-    /// How a value between voxels is found
+    /// Interpolation between voxels
     #[arg(long, value_name = "KIND", help_heading = "Quality",
-          value_parser = ["trilinear", "nearest", "b-spline", "b-spline-interpolating", "catmull-rom"])]
+          value_parser = ["trilinear", "nearest", "b-spline", "b-spline-interpolating", "catmull-rom"], hide_short_help = true)]
     pub reconstruct: Option<String>,
 
-    /// Reconstruction, gradient and light from the cheapest to the best; what is said otherwise counts more
-    #[arg(long, value_name = "LEVEL", help_heading = "Quality",
+    /// Interpolation, gradient and shading from cheapest to best; other flags and keys take precedence
+    #[arg(long, value_name = "LEVEL", help_heading = "Quality", hide_short_help = true,
           value_parser = ["null", "minimum", "medium", "maximum"])]
     pub quality: Option<String>,
 
-    /// Draw the mean of this many pictures, each with its own jitter (needs --jitter to differ)
-    #[arg(long, value_name = "N", help_heading = "Quality")]
+    /// Draw the mean of this many pictures, each with its own jitter (needs --jitter)
+    #[arg(
+        long,
+        value_name = "N",
+        help_heading = "Quality",
+        hide_short_help = true
+    )]
     pub frames: Option<u32>,
 
-    /// Draw how the picture is made instead
+    /// Draw a debug view instead of the data
     #[arg(long, value_name = "VIEW", help_heading = "Quality",
-          value_parser = PossibleValuesParser::new(DebugView::ALL.map(DebugView::name)))]
+          value_parser = PossibleValuesParser::new(DebugView::ALL.map(DebugView::name)), hide_short_help = true)]
     pub debug: Option<String>,
 }
 
-/// The picture file and how it is made; no part of a scene.
+/// The picture file and how it is made; not part of a scene.
 #[derive(Debug, Default, Args)]
 #[command(next_help_heading = "Output")]
 pub struct PictureFlags {
     /// Bits per channel: 8 or 16 for PNG, 16 or 32 (floating point) for EXR
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", hide_short_help = true)]
     pub bits: Option<u32>,
 
-    /// Also write how far away what is seen is (method first-hit, meshes): channel Z of EXR
-    #[arg(long)]
+    /// Also write the depth of first-hit surfaces and meshes: channel Z of EXR
+    #[arg(long, hide_short_help = true)]
     pub depth: bool,
 
-    /// Also write the stages of the picture into this folder, as stage-1.png and so on: soon a coarse one, in the end
-    /// the picture (on the CPU only)
-    #[arg(long, value_name = "FOLDER")]
+    /// Also write coarse stages of the picture into this folder while it is drawn (CPU only)
+    ///
+    /// The files are called stage-1.png and so on; the last one is the picture.
+    #[arg(long, value_name = "FOLDER", hide_short_help = true)]
     pub stages: Option<PathBuf>,
 
-    /// Threads that draw; without, one per core. The picture is the same
-    #[arg(long, value_name = "N")]
+    /// Number of threads that draw; the picture does not depend on it [default: one per core]
+    #[arg(long, value_name = "N", hide_short_help = true)]
     pub threads: Option<usize>,
 
-    /// Which renderer draws: `auto` takes the GPU if there is one, `gpu` the GPU or nothing
+    /// Renderer: auto uses a GPU if there is one; gpu fails without a graphics adapter
     #[arg(long, value_name = "BACKEND", default_value = "cpu")]
     pub backend: BackendName,
 
-    /// Part of the name of the graphics adapter that draws (`strahl info --adapters` lists them)
-    #[arg(long, value_name = "NAME", conflicts_with_all = ["threads"])]
+    /// Use the graphics adapter with this in its name (`strahl info --adapters` lists them)
+    #[arg(long, value_name = "NAME", conflicts_with_all = ["threads"], hide_short_help = true)]
     pub adapter: Option<String>,
 
-    /// Print timings and counts on stdout
-    #[arg(long, value_name = "FORMAT")]
+    /// Print timings and counts to stdout
+    #[arg(long, value_name = "FORMAT", hide_short_help = true)]
     pub stats: Option<StatsFormat>,
 }
 
@@ -365,11 +479,11 @@ pub enum StatsFormat {
     Json,
 }
 
-/// Say what is in a volume file or DICOM folder
+/// Describe a volume file or DICOM folder
 #[derive(Debug, Args)]
 #[command(after_help = INFO_EXAMPLES)]
 pub struct InfoFlags {
-    /// A volume file, a folder with one series, or the slices of one series
+    /// A volume file, a DICOM folder, or the slices of one series
     #[arg(required_unless_present = "adapters", value_name = "FILE")]
     pub volume: Vec<PathBuf>,
 
@@ -391,19 +505,19 @@ const INFO_EXAMPLES: &str = "Examples:
   strahl info bonsai_256x256x256_uint8.raw --json
   strahl info --adapters";
 
-/// Write a volume in another format
+/// Convert a volume to another format
 #[derive(Debug, Args)]
 #[command(after_help = CONVERT_EXAMPLES)]
 pub struct ConvertFlags {
-    /// A volume file, a folder with one series, or the slices of one series
+    /// A volume file, a DICOM folder, or the slices of one series
     #[arg(required = true, value_name = "IN")]
     pub inputs: Vec<PathBuf>,
 
-    /// The new file: .nii, .nii.gz, .nrrd, .mha, .mhd, .npy or .raw
+    /// The file to write: .nii, .nii.gz, .nrrd, .mha, .mhd, .npy or .raw
     #[arg(required = true, value_name = "OUT")]
     pub output: PathBuf,
 
-    /// Do not pack the samples of NRRD and MetaImage; NIfTI goes by its name
+    /// Do not compress NRRD and MetaImage (for NIfTI, the name decides)
     #[arg(long)]
     pub uncompressed: bool,
 
@@ -419,7 +533,7 @@ const CONVERT_EXAMPLES: &str = "Examples:
 
 #[derive(Debug, Subcommand)]
 pub enum SceneCommand {
-    /// Print the JSON schema of scenes, for editors that complete and check
+    /// Print the JSON schema of scenes, for editors
     #[command(after_help = "Examples:
   strahl scene schema > scene.schema.json")]
     Schema,
@@ -427,18 +541,18 @@ pub enum SceneCommand {
     Show(Box<SceneShowFlags>),
 }
 
-/// Say what is wrong with scenes, all at once
+/// Check scenes and report every problem at once
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   strahl scene check head.json
   strahl scene check scenes/*.json")]
 pub struct SceneCheckFlags {
-    /// Scene files, or pictures that Strahl made
+    /// Scene files, or pictures made by Strahl
     #[arg(required = true, value_name = "SCENE")]
     pub scenes: Vec<PathBuf>,
 }
 
-/// Print a scene with every default filled in: what `render` would draw with the same words
+/// Print a scene with every default filled in: what `render` draws with the same arguments
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   strahl scene show head.nii.gz --preset ct-angio -o head.json
@@ -449,7 +563,7 @@ pub struct SceneShowFlags {
     #[arg(required = true, value_name = "SCENE | VOLUME")]
     pub inputs: Vec<PathBuf>,
 
-    /// Write a scene file, with paths as seen from its folder, instead of printing
+    /// Write a scene file instead of printing; its paths are relative to its folder
     #[arg(long, short, value_name = "FILE")]
     pub output: Option<PathBuf>,
 
@@ -460,19 +574,19 @@ pub struct SceneShowFlags {
     pub read: ReadFlags,
 }
 
-/// List the presets, or print one as the scene that it is
+/// List the presets, or print one as a scene
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   strahl presets
   strahl presets ct-bone > bone.json
   strahl presets --json")]
 pub struct PresetsFlags {
-    /// Print this one
+    /// Preset to print
     #[arg(hide_possible_values = true, conflicts_with = "json",
           value_parser = PossibleValuesParser::new(presets().iter().map(|preset| preset.name)))]
     pub name: Option<String>,
 
-    /// Print all of them as JSON
+    /// Print all presets as JSON
     #[arg(long)]
     pub json: bool,
 }
@@ -489,19 +603,19 @@ pub enum ShaderCommand {
 #[derive(Debug, Subcommand)]
 pub enum GraphCommand {
     Show(Box<GraphShowFlags>),
-    /// Say whether graphs, and scenes with graphs, can be drawn, and what is wrong with them where
+    /// Check graphs and scenes with graphs, and report every problem
     Check(GraphInputFlags),
-    /// Print the program that a graph compiles to
+    /// Print the WGSL program that a graph compiles to
     Wgsl(GraphInputFlags),
     Dot(Box<GraphDotFlags>),
-    /// Draw a volume by a graph: the same as `strahl render`
+    /// Draw by a graph: same as `strahl render`
     Run(Box<RenderFlags>),
     Patterns(GraphPatternsFlags),
     /// Print the JSON schema of graphs
     Schema,
 }
 
-/// Print the graph that draws a scene, after all edits: the standard one if the scene has none of its own
+/// Print the graph that draws a scene, with all edits applied (the standard graph if it has none)
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   strahl graph show scene.json
@@ -518,12 +632,12 @@ pub struct GraphShowFlags {
 
 #[derive(Debug, Args)]
 pub struct GraphInputFlags {
-    /// Scenes or graphs; a graph alone is checked over a built-in phantom
+    /// Scenes or graphs; a graph without a scene is checked with a built-in phantom
     #[arg(required = true, value_name = "SCENE|GRAPH")]
     pub inputs: Vec<PathBuf>,
 }
 
-/// Print a graph as a drawing in the language of Graphviz
+/// Print a graph in the DOT language of Graphviz
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   strahl graph dot scene.json --svg graph.svg
@@ -533,11 +647,11 @@ pub struct GraphDotFlags {
     #[arg(required = true, value_name = "SCENE|GRAPH|VOLUME")]
     pub inputs: Vec<PathBuf>,
 
-    /// Write an SVG; needs Graphviz
+    /// Write an SVG file; needs Graphviz
     #[arg(long, value_name = "FILE")]
     pub svg: Option<PathBuf>,
 
-    /// Show types, meanings, constants and what each node does
+    /// Show types, meanings, constants and the purpose of each node
     #[arg(long)]
     pub details: bool,
 
@@ -552,7 +666,7 @@ pub struct GraphDotFlags {
   strahl graph patterns opacity
   strahl graph patterns --json")]
 pub struct GraphPatternsFlags {
-    /// Only those with this in their names
+    /// Only nodes with this word in their names
     #[arg(value_name = "WORD")]
     pub names: Vec<String>,
 
@@ -561,7 +675,7 @@ pub struct GraphPatternsFlags {
     pub json: bool,
 }
 
-/// List the slots of the ray, their signatures, and the functions of the library
+/// List the slots, their signatures, and the functions of the library
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   strahl shader list
@@ -572,45 +686,45 @@ pub struct ShaderListFlags {
     pub json: bool,
 }
 
-/// Print the text of a function of the library, to start one's own from
+/// Print the source of a library function, to start your own from it
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   strahl shader show blinn_phong
   strahl shader show classify/table > mine.wgsl")]
 pub struct ShaderShowFlags {
-    /// Its name, or slot/name
+    /// Name of the function, or slot/name
     pub name: String,
 }
 
-/// Say whether files are shader functions, for which slot, and what is wrong with them where
+/// Check files with shader functions and report every problem
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   strahl shader check mine.wgsl
   strahl shader check functions/*.wgsl")]
 pub struct ShaderCheckFlags {
-    /// The modules
+    /// WGSL files
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
 }
 
-/// Print the program that draws a scene on a GPU, with a comment per function
+/// Print the WGSL program that draws a scene on a GPU
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   strahl shader wgsl scene.json
   strahl shader wgsl head.nii.gz > head.wgsl")]
 pub struct ShaderSceneFlags {
-    /// A scene, a volume, or a picture with its scene
+    /// A scene, a volume, or a picture made by Strahl
     #[arg(value_name = "SCENE|VOLUME")]
     pub input: PathBuf,
 }
 
-/// Count texture reads and instructions of the program that draws a scene
+/// Count the texture reads and instructions of the program that draws a scene
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   strahl shader cost scene.json
   strahl shader cost scene.json --json")]
 pub struct ShaderCostFlags {
-    /// A scene, a volume, or a picture with its scene
+    /// A scene, a volume, or a picture made by Strahl
     #[arg(value_name = "SCENE|VOLUME")]
     pub input: PathBuf,
 
@@ -619,7 +733,7 @@ pub struct ShaderCostFlags {
     pub json: bool,
 }
 
-/// Print a script that completes commands and flags in a shell
+/// Print a shell script that completes commands and flags
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   strahl completions bash > ~/.local/share/bash-completion/completions/strahl
@@ -628,4 +742,15 @@ pub struct ShaderCostFlags {
 pub struct CompletionsFlags {
     /// The shell
     pub shell: clap_complete::Shell,
+}
+
+/// Write manual pages: strahl.1, and one page per command
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  strahl man ~/.local/share/man/man1
+  strahl man pages")]
+pub struct ManFlags {
+    /// The folder to write them into; created if it does not exist
+    #[arg(value_name = "FOLDER")]
+    pub folder: PathBuf,
 }

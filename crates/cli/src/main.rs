@@ -1,8 +1,8 @@
 //! The `strahl` command line.
 //!
-//! A call goes through three layers: [`flags`] is the table of everything that can be typed,
-//! [`args`] turns what was typed into checked values, and [`commands`] does the work, one file per
-//! command. Exit codes: 0 done, 1 failed (one message on stderr), 2 wrong usage, 130 interrupted.
+//! A call passes through three layers: [`flags`] declares all commands and flags, [`args`] checks
+//! their values, and [`commands`] does the work, one file per command. Exit codes: 0 done, 1 failed
+//! (one message on stderr), 2 wrong usage, 130 interrupted.
 
 mod args;
 mod commands;
@@ -11,13 +11,13 @@ mod print;
 mod progress;
 mod remedy;
 
-use clap::Parser;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let flags = flags::Flags::parse();
-    // An interrupt or a request to end may come at any time, also while a file is read or written. Whatever is
-    // unfinished is removed from here, so that nothing else has to check.
+    set_missing_runtime_folder();
+    let flags = flags::Flags::from_command_line();
+    // A signal may arrive at any time, also while a file is read or written. Unfinished files are
+    // removed here, so that no other code has to check for signals.
     let handler = ctrlc::set_handler(|| {
         if commands::sim::stop() {
             return;
@@ -37,5 +37,15 @@ fn main() -> ExitCode {
             }
             ExitCode::FAILURE
         }
+    }
+}
+
+/// Names a runtime folder if the environment has none, as on servers and in containers. Mesa's Vulkan
+/// driver looks for a Wayland display there, and prints an error for every attempt without the name.
+fn set_missing_runtime_folder() {
+    let name = "XDG_RUNTIME_DIR";
+    if cfg!(unix) && std::env::var_os(name).is_none() {
+        // SAFETY: this is the first statement of `main`, so no other thread reads the environment.
+        unsafe { std::env::set_var(name, std::env::temp_dir()) };
     }
 }

@@ -1,10 +1,10 @@
-//! What a person can do about an error, in the words of the command line. Libraries do not know them.
+//! What a user can do about an error, in terms of command-line flags, which libraries do not know.
 
 use strahl::program::SlicingError;
 use strahl::volume::Remedy;
 use strahl::{Error, Note, evaluate, gpu, graph, shader, volume};
 
-/// What can be said on the command line so that `error` does not come again, if there is something.
+/// What to change on the command line to avoid `error`, if anything helps.
 pub fn of(error: &anyhow::Error) -> Option<String> {
     error.chain().find_map(|cause| {
         if let Some(error) = cause.downcast_ref::<Error>() {
@@ -30,21 +30,23 @@ fn of_picture(error: &Error) -> Option<String> {
     Some(remedy.to_owned())
 }
 
-/// What can be done about what a note says.
+/// What to change on the command line because of a note, if anything.
 pub fn of_note(note: &Note) -> Option<&'static str> {
     match note {
         Note::GraphEvaluated | Note::FunctionEvaluated { .. } => Some("--backend gpu is faster"),
+        Note::SoftwareAdapter { .. } => Some("--backend cpu is faster"),
         _ => None,
     }
 }
 
 const ON_CPU: &str = "draw with --backend cpu";
 const NO_GRAPH: &str = "draw with --backend cpu and without --graph";
-const NO_DEPTH: &str = "leave --depth out";
+const NO_DEPTH: &str = "remove --depth";
 
 fn of_gpu(error: &gpu::Error) -> Option<String> {
     let remedy = match error {
         gpu::Error::NoAdapter
+        | gpu::Error::Device { .. }
         | gpu::Error::Lost(_)
         | gpu::Error::TooLarge { .. }
         | gpu::Error::MeshTooLarge { .. }
@@ -63,12 +65,14 @@ fn of_volume(remedy: Remedy) -> String {
     match remedy {
         Remedy::Series => "pick one with --series N".to_owned(),
         Remedy::Component => "pick one with --component K".to_owned(),
-        Remedy::Spacing => "say --spacing X,Y,Z in mm".to_owned(),
-        Remedy::AllowGaps => "--allow-gaps interpolates to even slices".to_owned(),
-        Remedy::DimsAndType => "say for example --dims 256x256x128 --type u8".to_owned(),
-        Remedy::Type => "say the type of the samples, such as --type u16".to_owned(),
+        Remedy::Spacing => "give --spacing X,Y,Z in mm".to_owned(),
+        Remedy::AllowGaps => "--allow-gaps resamples to evenly spaced slices".to_owned(),
+        Remedy::DimsAndType => {
+            "give the layout, for example --dims 256x256x128 --type u8".to_owned()
+        }
+        Remedy::Type => "give the type of the samples, for example --type u16".to_owned(),
         Remedy::HeaderBytes(bytes) => {
-            format!("if the file begins with a header, say --header-bytes {bytes}")
+            format!("if the file begins with a header, use --header-bytes {bytes}")
         }
     }
 }

@@ -6,7 +6,7 @@
 
 use std::time::Instant;
 use strahl_cpu::kernels::instructions;
-use strahl_cpu::kernels::layout::{Laid, Layout};
+use strahl_cpu::kernels::layout::{LaidOutVoxels, Layout};
 use strahl_volume::Grid;
 
 const DIRECTIONS: [(&str, [f64; 3]); 4] = [
@@ -44,7 +44,7 @@ fn main() {
         for _ in 0..ROUNDS {
             for (i, layout) in Layout::ALL.into_iter().enumerate() {
                 let start = Instant::now();
-                let laid = Laid::new(layout, grid, &voxels);
+                let laid = LaidOutVoxels::new(layout, grid, &voxels);
                 let took = start.elapsed().as_secs_f64();
                 fastest[i][0] = fastest[i][0].min(took);
                 bytes[i] = laid.bytes();

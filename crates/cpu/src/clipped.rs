@@ -5,26 +5,26 @@ use crate::making::Making;
 use std::sync::Arc;
 use strahl_scene::plan::{ClipShape, Composite, Plan, SampleClip, Sampling};
 use strahl_scene::visibility::dropped;
-use strahl_volume::bricks::{Bricks, BricksOf};
+use strahl_volume::bricks::{Bricks, BricksKey};
 use strahl_volume::{Cancelled, ContentId, Grid, Key, Volume};
 
 /// Of each brick whether every sample inside is dropped.
 #[derive(Clone)]
-pub struct Clipped {
-    pub of: ClippedOf,
+pub struct ClippedBricks {
+    pub of: ClippedBricksKey,
     bricks: Arc<Option<Vec<bool>>>,
 }
 
 /// All that it depends on.
 #[derive(Clone, PartialEq)]
-pub struct ClippedOf {
+pub struct ClippedBricksKey {
     grid: Grid,
     clips: Vec<SampleClip>,
     /// Of each clip, if it is one.
     masks: Vec<Option<ContentId>>,
 }
 
-impl Key for ClippedOf {
+impl Key for ClippedBricksKey {
     /// `None` if nothing is dropped.
     type Value = Option<Vec<bool>>;
 
@@ -35,7 +35,7 @@ impl Key for ClippedOf {
     }
 }
 
-impl Clipped {
+impl ClippedBricks {
     /// Those of object number `object`, of bricks like those of its volume; `None` if nothing is dropped, or what lies
     /// between the samples of dropped bricks may be seen all the same. The Plan's masks are among `masks`.
     pub fn new(
@@ -44,7 +44,7 @@ impl Clipped {
         bricks: &Bricks,
         plan: &Plan,
         object: usize,
-    ) -> Result<Option<Clipped>, Cancelled> {
+    ) -> Result<Option<ClippedBricks>, Cancelled> {
         let is_projection = matches!(
             plan.technique().composite,
             Composite::Mip | Composite::Minip
@@ -64,7 +64,7 @@ impl Clipped {
             ClipShape::Mask { mask, .. } => Some(masks[mask].id()),
             _ => None,
         };
-        let of = ClippedOf {
+        let of = ClippedBricksKey {
             grid: plan.field_of(object).grid,
             masks: clips.iter().map(mask).collect(),
             clips,
@@ -73,14 +73,14 @@ impl Clipped {
             let mut of_masks = Vec::new();
             for mask in masks {
                 let make = || Bricks::under(mask, EDGE, 0, making.control);
-                of_masks.push(making.find(&BricksOf::new(mask, EDGE, 0), make)?);
+                of_masks.push(making.find(&BricksKey::new(mask, EDGE, 0), make)?);
             }
             let mask = |mask: usize| (&masks[mask], &*of_masks[mask]);
             let (dims, edge) = (bricks.dims(), bricks.edge());
             dropped(plan, object, dims, edge, mask, making.control)
         })?;
         let is_any = found.is_some();
-        Ok(is_any.then_some(Clipped { of, bricks: found }))
+        Ok(is_any.then_some(ClippedBricks { of, bricks: found }))
     }
 
     /// Of each brick, x fastest.

@@ -14,7 +14,7 @@ pub enum Error {
     OtherData(#[from] strahl_scene::OtherData),
     /// A shader function without a twin for the CPU.
     #[error(
-        "the function {function} for the slot {slot} has no form for this renderer; draw its program with strahl-evaluate or on a GPU, or leave it out"
+        "the function {function} for the slot {slot} has no CPU implementation; draw its program with strahl-evaluate or on a GPU, or remove it"
     )]
     NoTwin {
         /// Name of the function.
@@ -41,7 +41,7 @@ pub enum Error {
     },
     /// The option `instructions`, or the environment variable `STRAHL_SIMD`, names no set that there is.
     #[error(
-        "there are no instructions {value:?} on this CPU; set STRAHL_SIMD (or the option) to avx512, avx2 or portable, or leave it out for the fastest that it has"
+        "there are no instructions {value:?} on this CPU; set STRAHL_SIMD (or the option) to avx512, avx2 or portable, or leave it unset for the fastest set available"
     )]
     NoSuchInstructions {
         /// What it names.

@@ -1,25 +1,25 @@
 //! Cubes of bricks inside which one sample can stand for several lattice points.
 
+use crate::brick_bytes::BrickBytes;
 use crate::brick_number::SHIFT;
 use crate::lanes::{F32s, I32s, Vec3s, each};
 use crate::levels::Level;
 use crate::library::fetch::Shape;
 use crate::line::{Line, points_to_face};
 use crate::making::Making;
-use crate::of_bricks::OfBricks;
 use strahl_scene::plan::{Plan, Sampling};
-use strahl_scene::visibility::{ContributionOf, even_cubes};
+use strahl_scene::visibility::{ContributionKey, even_cubes};
 use strahl_volume::Cancelled;
 use strahl_volume::bricks::Bricks;
 
 /// The even cubes of a volume under a Plan: what [`even_cubes`] gives.
-pub struct EvenCubes(OfBricks);
+pub struct EvenCubes(BrickBytes);
 
 impl EvenCubes {
     /// Those of object number `object`; `None` if every lattice point is to be looked at.
     pub fn new(
         making: &Making,
-        contribution: &ContributionOf,
+        contribution: &ContributionKey,
         bricks: &Bricks,
         plan: &Plan,
         object: usize,
@@ -28,7 +28,7 @@ impl EvenCubes {
             return Ok(None);
         }
         let of = (plan, object);
-        let found = OfBricks::new(making, contribution, bricks, of, None, even_cubes)?;
+        let found = BrickBytes::new(making, contribution, bricks, of, None, even_cubes)?;
         Ok(found.map(EvenCubes))
     }
 

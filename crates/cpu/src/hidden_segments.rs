@@ -9,7 +9,7 @@ use strahl_volume::{Cancelled, ContentId, Control, Grid, Key, LabelIds, LabelNum
 
 /// Key of the bricks of a volume that hold hidden segments only.
 #[derive(Clone, Debug, PartialEq)]
-struct HiddenBricksOf {
+struct HiddenBricksKey {
     labels: ContentId,
     label_from_voxel: DAffine3,
     dims: [usize; 3],
@@ -17,7 +17,7 @@ struct HiddenBricksOf {
     is_hidden: Vec<bool>,
 }
 
-impl Key for HiddenBricksOf {
+impl Key for HiddenBricksKey {
     type Value = Skip;
 
     const NAME: &str = "bricks of hidden segments";
@@ -45,7 +45,7 @@ pub fn hidden_segments(
     if !is_hidden.contains(&true) || !fits {
         return Ok(None);
     }
-    let key = HiddenBricksOf {
+    let key = HiddenBricksKey {
         labels: labels.0,
         label_from_voxel: labelled.label_from_voxel(field),
         dims: field.grid.dims(),
@@ -65,7 +65,7 @@ fn brick_dims(grid: &Grid) -> [usize; 3] {
 
 /// For each brick whether a place in it may be in a segment that is drawn.
 fn visible_bricks(
-    key: &HiddenBricksOf,
+    key: &HiddenBricksKey,
     labelled: &Labelled,
     segments: &NumberedSegments,
     labels: &LabelNumbers,

@@ -1,13 +1,12 @@
-//! Draws a Plan on the CPU.
+//! Draws Plans on the CPU.
 //!
-//! [`Renderer::render`] draws Plans of a volume; what it makes of the volume for that (min/max bricks) it
-//! keeps. A picture has the same bytes whatever the number of threads, the size of tiles and the SIMD
-//! width, and with skipping or without.
+//! [`Renderer::render`] draws a Plan of the renderer's volumes. The renderer keeps derived data, such as
+//! min/max bricks, for the next picture. A picture has the same bytes at any number of threads, tile
+//! size and SIMD width, with skipping or without.
 //!
-//! Inside, `march` holds the one ray loop, compiled for each instruction set (`levels`); it goes over
-//! packets of rays (`lanes`, and `doubles` where the lattice is laid) and calls the
-//! functions of the slots (`library`). `skip` says which lattice points cannot matter, `tiles`
-//! spreads the picture over the cores.
+//! Inside, `tiles` divides the picture among the cores. `march` has the ray loops, compiled for each
+//! instruction set (`levels`). They process packets of rays (`lanes`; `doubles` for the lattice) and
+//! call the functions of the slots (`library`). `skip` finds lattice points that are invisible.
 //!
 //! ```
 //! use strahl_cpu::{Options, Renderer};
@@ -26,6 +25,7 @@
 
 #![warn(missing_docs)]
 
+mod brick_bytes;
 mod brick_number;
 mod clipped;
 mod doubles;
@@ -44,7 +44,6 @@ mod making;
 mod march;
 mod march_rays;
 mod meshes;
-mod of_bricks;
 mod options;
 mod pools;
 mod prepared;

@@ -6,9 +6,9 @@
 
 mod adaptive;
 mod counts;
-mod look_back;
 mod packet;
 mod projection;
+mod ray_history;
 mod runs;
 mod segments;
 mod through_labels;
@@ -18,7 +18,7 @@ mod through_voxels;
 
 pub use counts::Counts;
 pub use packet::Seen;
-pub use projection::OfRuns;
+pub use projection::RunBounds;
 
 use crate::lanes::LANES;
 use crate::levels::{Level, Portable, vectorized};
@@ -35,7 +35,12 @@ use strahl_scene::plan::{Composite, Plan, Sampling};
 impl<S: Level> Scenery<'_, S> {
     /// What a packet of rays sees.
     #[inline(always)]
-    pub fn march(&self, rays: &RayPacket<S>, of_runs: &mut OfRuns<S>, counts: &mut Counts) -> Seen {
+    pub fn march(
+        &self,
+        rays: &RayPacket<S>,
+        of_runs: &mut RunBounds<S>,
+        counts: &mut Counts,
+    ) -> Seen {
         let mut packet = Packet::new(self, rays);
         match (self.objects.as_slice(), self.composite) {
             _ if self.segments.is_some() => packet.advance(),

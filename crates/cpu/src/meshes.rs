@@ -16,18 +16,18 @@ const AMBIENT: f64 = 0.25;
 const DIFFUSE: f64 = 0.75;
 
 /// Meshes ready to be searched.
-pub struct Meshes(Vec<Arc<Searchable>>);
+pub struct Meshes(Vec<Arc<SearchTree>>);
 
 /// Key of the tree over a mesh.
 #[derive(Clone, PartialEq)]
-struct SearchableOf(ContentId);
+struct SearchTreeKey(ContentId);
 
-impl Key for SearchableOf {
-    type Value = Searchable;
+impl Key for SearchTreeKey {
+    type Value = SearchTree;
 
     const NAME: &str = "trees of meshes";
 
-    fn bytes(&self, value: &Searchable) -> usize {
+    fn bytes(&self, value: &SearchTree) -> usize {
         let triangles = size_of::<Triangle>() + size_of::<[DVec3; 3]>();
         let normals = value.normals.as_ref().map_or(0, |n| size_of_val(&n[..]));
         let nodes = size_of_val(&value.tree.nodes[..]);
@@ -35,7 +35,7 @@ impl Key for SearchableOf {
     }
 }
 
-struct Searchable {
+struct SearchTree {
     tree: Bvh2,
     triangles: Vec<Triangle>,
     /// Corners of each triangle, as given.
@@ -57,8 +57,8 @@ impl Meshes {
     /// Builds a tree of boxes over the triangles of each mesh (the crate obvhs).
     pub fn new(making: &Making, meshes: &[Mesh]) -> Result<Meshes, Cancelled> {
         let find = |mesh: &Mesh| {
-            let make = || Ok(Searchable::new(mesh));
-            making.find(&SearchableOf(mesh.id()), make)
+            let make = || Ok(SearchTree::new(mesh));
+            making.find(&SearchTreeKey(mesh.id()), make)
         };
         meshes
             .iter()
@@ -86,8 +86,8 @@ impl Meshes {
     }
 }
 
-impl Searchable {
-    fn new(mesh: &Mesh) -> Searchable {
+impl SearchTree {
+    fn new(mesh: &Mesh) -> SearchTree {
         let at = |i: u32| mesh.positions()[i as usize];
         let corners: Vec<[[f32; 3]; 3]> = mesh.triangles().iter().map(|t| t.map(at)).collect();
         let triangles: Vec<Triangle> = corners
@@ -100,7 +100,7 @@ impl Searchable {
             .collect();
         let double = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
         let (lo, hi) = mesh.bounds_mm();
-        Searchable {
+        SearchTree {
             tree: build_bvh2_from_tris(
                 &triangles,
                 BvhBuildParams::medium_build(),
@@ -240,7 +240,7 @@ mod tests {
     }
 
     fn distance(ray: &Ray, world_from_mesh: DAffine3) -> Option<f64> {
-        let meshes = [Searchable::new(&square())];
+        let meshes = [SearchTree::new(&square())];
         let placed = PlanMesh {
             mesh: 0,
             world_from_mesh,

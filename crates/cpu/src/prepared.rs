@@ -1,7 +1,7 @@
 //! What a picture needs beside its rays, found or made before the first of them.
 
 use crate::brick_number::EDGE;
-use crate::clipped::Clipped;
+use crate::clipped::ClippedBricks;
 use crate::error::Error;
 use crate::even::EvenCubes;
 use crate::hidden_segments::hidden_segments;
@@ -13,7 +13,7 @@ use crate::library::jitter::Jitters;
 use crate::library::reconstruct::{Values, of_voxels, values};
 use crate::making::Making;
 use crate::meshes::Meshes;
-use crate::rejection::{OfCubic, Rejection};
+use crate::rejection::{CubicBounds, Rejection};
 use crate::scenery::{Known, Object, Scenery, Stored};
 use crate::segment_numbers::SegmentNumbers;
 use crate::skip::Skip;
@@ -21,10 +21,10 @@ use crate::strides::Strides;
 use std::sync::Arc;
 use strahl_scene::Source;
 use strahl_scene::plan::{Fetch, Field, Plan, Reconstruct, Sampling};
-use strahl_scene::visibility::ContributionOf;
-use strahl_volume::bricks::{BrickRange, Bricks, BricksOf};
+use strahl_scene::visibility::ContributionKey;
+use strahl_volume::bricks::{BrickRange, Bricks, BricksKey};
 use strahl_volume::{
-    Cancelled, CoefficientsOf, ContentId, Datasets, Key, LabelNumbers, LabelNumbersOf, Rescale,
+    Cancelled, CoefficientsKey, ContentId, Datasets, Key, LabelNumbers, LabelNumbersKey, Rescale,
     Stopwatch, Volume,
 };
 
@@ -58,7 +58,7 @@ impl Prepared {
         for (layer, field) in plan.drawn_fields().enumerate() {
             let source = Source::new(field, data, |own| {
                 let make = || own.b_spline_coefficients_under(making.control);
-                making.find(&CoefficientsOf(own.id()), make)
+                making.find(&CoefficientsKey(own.id()), make)
             })?;
             let bricks_start = Stopwatch::start();
             let reading = Reading::new(making, field, source)?;
@@ -159,7 +159,7 @@ fn label_numbers(
         return Ok(None);
     };
     let labels = &data.labels[labelled.labels];
-    let key = LabelNumbersOf(labels.content_id());
+    let key = LabelNumbersKey(labels.content_id());
     let numbers = making.find(&key, || labels.numbers_under(making.control))?;
     Ok(Some(numbers))
 }
@@ -179,7 +179,7 @@ fn values_of<'a, S: Level>(source: &'a Source, field: &Field) -> Box<dyn Values<
 struct Reading {
     source: Source,
     bricks: Arc<Bricks>,
-    of_cubic: Option<OfCubic>,
+    of_cubic: Option<CubicBounds>,
 }
 
 impl Reading {
@@ -191,7 +191,7 @@ impl Reading {
             Reconstruct::Nearest | Reconstruct::Trilinear
         );
         if field.fetch == Fetch::Stored && !is_linear {
-            let of_cubic = OfCubic::new(making, volume)?;
+            let of_cubic = CubicBounds::new(making, volume)?;
             return Ok(Reading {
                 bricks: of_cubic.bricks.clone(),
                 of_cubic: Some(of_cubic),
@@ -199,7 +199,7 @@ impl Reading {
             });
         }
         let make = || Bricks::under(volume, EDGE, 0, control);
-        let bricks = making.find(&BricksOf::new(volume, EDGE, 0), make)?;
+        let bricks = making.find(&BricksKey::new(volume, EDGE, 0), make)?;
         Ok(Reading {
             source,
             bricks,
@@ -217,8 +217,8 @@ impl Reading {
         skips: bool,
     ) -> Result<Known<'static>, Error> {
         let (bricks, of) = (&*self.bricks, (plan, layer));
-        let contribution = ContributionOf::new(plan, layer, self.source.volume.id(), bricks);
-        let clipped = Clipped::new(making, masks, bricks, plan, layer)?;
+        let contribution = ContributionKey::new(plan, layer, self.source.volume.id(), bricks);
+        let clipped = ClippedBricks::new(making, masks, bricks, plan, layer)?;
         let clipped = clipped.as_ref();
         let skip = match skips {
             true => Skip::new(making, &contribution, bricks, of, clipped)?,
@@ -248,7 +248,7 @@ impl Reading {
     fn is_whole(&self, making: &Making) -> Result<bool, Cancelled> {
         let volume = &self.source.volume;
         let fits = |range: BrickRange| range.lo > -1e37 && range.hi < 1e37;
-        let is_whole = making.find(&IsWholeOf(volume.id()), || {
+        let is_whole = making.find(&IsWholeKey(volume.id()), || {
             let statistics = volume.statistics_under(making.control)?;
             Ok::<_, Cancelled>(statistics.not_finite == 0 && self.bricks.ranges().all(fits))
         })?;
@@ -258,14 +258,14 @@ impl Reading {
 
 /// Key of whether a volume is whole.
 #[derive(Clone, PartialEq)]
-struct IsWholeOf(ContentId);
+struct IsWholeKey(ContentId);
 
-impl Key for IsWholeOf {
+impl Key for IsWholeKey {
     type Value = bool;
 
     const NAME: &str = "wholeness";
 
     fn bytes(&self, _: &bool) -> usize {
-        size_of::<(IsWholeOf, bool)>()
+        size_of::<(IsWholeKey, bool)>()
     }
 }

@@ -9,19 +9,19 @@
 use crate::brick_number::{EDGE, brick_number};
 use crate::lanes::{F32s, I32s, Mask, Vec3s, words};
 use crate::levels::{Level, inlined, vectorized};
-use crate::library::classify::Between;
-use crate::library::composite::sees::Sees;
+use crate::library::classify::IntervalVisibility;
+use crate::library::composite::visible_values::VisibleValues;
 use crate::library::reconstruct::Values;
 use crate::making::Making;
 use crate::skip::rounded_up;
 use std::sync::Arc;
 use strahl_scene::plan::{Classify, Fetch, Plan, Reconstruct};
 use strahl_volume::bends::bends_under;
-use strahl_volume::bricks::{BrickRange, Bricks, BricksOf};
+use strahl_volume::bricks::{BrickRange, Bricks, BricksKey};
 use strahl_volume::{Cancelled, ContentId, Key, Rescale, Volume};
 
 /// What cubic reconstruction of a volume rests on, beside the voxels.
-pub struct OfCubic {
+pub struct CubicBounds {
     /// With the reach of the kernels.
     pub bricks: Arc<Bricks>,
     bends: Arc<Option<Bends>>,
@@ -29,9 +29,9 @@ pub struct OfCubic {
 
 /// Key of the bounds of a volume's second differences.
 #[derive(Clone, PartialEq)]
-struct BendsOf(ContentId);
+struct BendsKey(ContentId);
 
-impl Key for BendsOf {
+impl Key for BendsKey {
     /// `None` if nothing is known.
     type Value = Option<Bends>;
 
@@ -52,12 +52,12 @@ struct Bends {
     largest: f32,
 }
 
-impl OfCubic {
-    pub fn new(making: &Making, volume: &Volume) -> Result<OfCubic, Cancelled> {
+impl CubicBounds {
+    pub fn new(making: &Making, volume: &Volume) -> Result<CubicBounds, Cancelled> {
         let control = making.control;
         let make = || Bricks::under(volume, EDGE, 1, control);
-        let bricks = making.find(&BricksOf::new(volume, EDGE, 1), make)?;
-        let bends = making.find(&BendsOf(volume.id()), || {
+        let bricks = making.find(&BricksKey::new(volume, EDGE, 1), make)?;
+        let bends = making.find(&BendsKey(volume.id()), || {
             let largest = bricks
                 .ranges()
                 .fold(0.0, |largest: f32, BrickRange { lo, hi }| {
@@ -80,7 +80,7 @@ impl OfCubic {
                 largest,
             }))
         })?;
-        Ok(OfCubic { bricks, bends })
+        Ok(CubicBounds { bricks, bends })
     }
 }
 
@@ -102,7 +102,7 @@ pub struct Rejection {
 /// Which values a rule sees.
 enum Seen {
     /// Those that are classified as anything.
-    Shown(Between),
+    Shown(IntervalVisibility),
     /// From this one on.
     From(f32),
     /// Beyond that of the ray so far.
@@ -114,11 +114,11 @@ impl Rejection {
     /// That of layer number `layer`, whose values are `rescale`d from numbers like those of `of_cubic`; `None` if
     /// every sample is to be worked out.
     pub fn new(
-        of_cubic: &OfCubic,
+        of_cubic: &CubicBounds,
         plan: &Plan,
         layer: usize,
         rescale: Rescale,
-        sees: Sees,
+        sees: VisibleValues,
     ) -> Option<Rejection> {
         let bends = Option::as_ref(&of_cubic.bends)?;
         let (field, technique) = (plan.field_of(layer), plan.technique_of(layer));
@@ -140,12 +140,15 @@ impl Rejection {
         };
         let seen = match sees {
             // This one does not classify values at samples.
-            Sees::Shown if technique.classify == Classify::PreClassified => return None,
-            Sees::Shown => Seen::Shown(Between::new(technique.classify, &technique.table)),
-            Sees::From(threshold) => Seen::From(threshold),
-            Sees::Larger => Seen::Larger,
-            Sees::Smaller => Seen::Smaller,
-            Sees::Every => return None,
+            VisibleValues::Shown if technique.classify == Classify::PreClassified => return None,
+            VisibleValues::Shown => Seen::Shown(IntervalVisibility::new(
+                technique.classify,
+                &technique.table,
+            )),
+            VisibleValues::From(threshold) => Seen::From(threshold),
+            VisibleValues::Larger => Seen::Larger,
+            VisibleValues::Smaller => Seen::Smaller,
+            VisibleValues::Every => return None,
         };
         let slope = rescale.slope as f32;
         let scaled = |multiples: [f32; 2]| multiples.map(|multiple| multiple * slope.abs());
@@ -254,7 +257,7 @@ mod tests {
             };
             let store = Store::default();
             let making = Making { store: &store, control: &Control::NONE, pool: None };
-            let of_cubic = OfCubic::new(&making, read).unwrap();
+            let of_cubic = CubicBounds::new(&making, read).unwrap();
             let values = values::<Portable>(&grid, read.samples(), read.rescale(), reconstruct);
             let place = |axis: usize| {
                 F32s::from_array(lanes(|lane| {

@@ -4,7 +4,7 @@ use crate::elementary::{opacity_of_half, opacity_of_length, opacity_of_lengths};
 use crate::even::EvenCubes;
 use crate::lanes::{Affine, F32s, Mask, Vec3s};
 use crate::levels::{Level, inlined, vectorized};
-use crate::library::classify::{Between, Integrals, Sample, Surface, Table, classify};
+use crate::library::classify::{Integrals, IntervalVisibility, Sample, Surface, Table, classify};
 use crate::library::clip_sample::SampleClips;
 use crate::library::fetch::Linear;
 use crate::library::gradient::Gradients;
@@ -52,7 +52,7 @@ pub struct Object<'p, S: Level> {
     /// For how many lattice points a sample stands; where the Plan's sampling is by opacity.
     pub strides: Option<Strides>,
     /// Whether anything is shown between two values; where the Plan's sampling is of segments.
-    pub between: Option<Between>,
+    pub between: Option<IntervalVisibility>,
     /// What is shown between two values; where the Plan's sampling is integrated.
     pub integrals: Option<Arc<Integrals>>,
     classify: Classify,
@@ -163,7 +163,7 @@ impl<'p, S: Level> Object<'p, S> {
             between: plan
                 .sampling
                 .is_of_segments()
-                .then(|| Between::new(technique.classify, table)),
+                .then(|| IntervalVisibility::new(technique.classify, table)),
             integrals,
             classify: technique.classify,
             composite: technique.composite,

@@ -4,7 +4,7 @@
 //! into a brick that provably gives nothing: pictures have the same bytes with skipping and without.
 
 use crate::brick_number::{EDGE, SHIFT, brick_number, brick_number_of};
-use crate::clipped::{Clipped, ClippedOf};
+use crate::clipped::{ClippedBricks, ClippedBricksKey};
 use crate::lanes::{F32s, I32s, LANES, Vec3s, each, words};
 use crate::levels::Level;
 use crate::library::fetch::Shape;
@@ -12,7 +12,7 @@ use crate::line::{Line, points_to_face};
 use crate::making::Making;
 use std::sync::Arc;
 use strahl_scene::plan::{Composite, Plan};
-use strahl_scene::visibility::{Contribution, ContributionOf};
+use strahl_scene::visibility::{Contribution, ContributionKey};
 use strahl_volume::bricks::Bricks;
 use strahl_volume::{Cancelled, Control, Key, cores};
 
@@ -198,12 +198,12 @@ const MOST_POINTS: f32 = 16.0;
 
 /// All that [`Knowledge`] depends on.
 #[derive(Clone, PartialEq)]
-struct KnowledgeOf {
-    contribution: ContributionOf,
-    clipped: Option<ClippedOf>,
+struct KnowledgeKey {
+    contribution: ContributionKey,
+    clipped: Option<ClippedBricksKey>,
 }
 
-impl Key for KnowledgeOf {
+impl Key for KnowledgeKey {
     type Value = Knowledge;
 
     const NAME: &str = "cubes of bricks";
@@ -292,10 +292,10 @@ impl Skip {
     /// visits, every sample.
     pub fn new(
         making: &Making,
-        contribution: &ContributionOf,
+        contribution: &ContributionKey,
         bricks: &Bricks,
         (plan, object): (&Plan, usize),
-        clipped: Option<&Clipped>,
+        clipped: Option<&ClippedBricks>,
     ) -> Result<Option<Skip>, Cancelled> {
         assert_eq!(bricks.edge(), EDGE);
         // Words are gathered at 32-bit offsets.
@@ -304,7 +304,7 @@ impl Skip {
             return Ok(None);
         }
         let control = making.control;
-        let key = KnowledgeOf {
+        let key = KnowledgeKey {
             contribution: contribution.clone(),
             clipped: clipped.map(|clipped| clipped.of.clone()),
         };
@@ -312,7 +312,7 @@ impl Skip {
             let visible = making.find(contribution, || {
                 Contribution::of(plan, object, bricks, control)
             })?;
-            let clipped = clipped.map(Clipped::bricks);
+            let clipped = clipped.map(ClippedBricks::bricks);
             let contribution = unclipped(Contribution::clone(&visible), clipped);
             Knowledge::new(bricks, contribution, control)
         })?;

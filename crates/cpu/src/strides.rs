@@ -1,14 +1,14 @@
 //! How many lattice points a sample can stand for, by the opacity around it.
 
+use crate::brick_bytes::BrickBytes;
 use crate::brick_number::EDGE;
-use crate::clipped::Clipped;
+use crate::clipped::ClippedBricks;
 use crate::lanes::{F32s, I32s, Mask, each};
 use crate::levels::{Level, inlined};
 use crate::line::Line;
 use crate::making::Making;
-use crate::of_bricks::OfBricks;
 use strahl_scene::plan::{Plan, Sampling};
-use strahl_scene::visibility::{ContributionOf, most_opacity};
+use strahl_scene::visibility::{ContributionKey, most_opacity};
 use strahl_volume::Cancelled;
 use strahl_volume::bricks::Bricks;
 
@@ -18,7 +18,7 @@ use strahl_volume::bricks::Bricks;
 /// thin and opaque is stepped over.
 pub struct Strides {
     /// What [`most_opacity`] gives.
-    most_opacity: OfBricks,
+    most_opacity: BrickBytes,
     /// In 255ths, as the opacities.
     share: f32,
 }
@@ -27,25 +27,25 @@ impl Strides {
     /// Those of object number `object`; `None` if every lattice point is to be looked at.
     pub fn new(
         making: &Making,
-        contribution: &ContributionOf,
+        contribution: &ContributionKey,
         bricks: &Bricks,
         (plan, object): (&Plan, usize),
-        clipped: Option<&Clipped>,
+        clipped: Option<&ClippedBricks>,
     ) -> Result<Option<Strides>, Cancelled> {
         let Sampling::ByOpacity { share } = plan.sampling else {
             return Ok(None);
         };
         let of = (plan, object);
-        let found = OfBricks::new(making, contribution, bricks, of, clipped, most_opacity)?;
+        let found = BrickBytes::new(making, contribution, bricks, of, clipped, most_opacity)?;
         Ok(found.map(|most_opacity| Strides {
             most_opacity,
             share: share * 255.0,
         }))
     }
 
-    /// Those along rays; `last_alpha` is that of [`StridesAlong`], 0 before the first lattice point.
+    /// Those along rays; `last_alpha` is that of [`RayStrides`], 0 before the first lattice point.
     #[inline(always)]
-    pub fn along<S: Level>(&self, line: &Line<S>, last_alpha: F32s<S>) -> StridesAlong<'_, S> {
+    pub fn along<S: Level>(&self, line: &Line<S>, last_alpha: F32s<S>) -> RayStrides<'_, S> {
         // A little less than the edge: positions are rounded.
         let most = F32s::splat(0.99 * EDGE as f32);
         let [x, y, z] = each!(line.step_in_voxel, |step| step.abs());
@@ -55,7 +55,7 @@ impl Strides {
             |stride: F32s<S>| (steps * stride).le(most),
         );
         let longest = longest_that(fits);
-        StridesAlong {
+        RayStrides {
             strides: self,
             longest,
             last_alpha,
@@ -64,7 +64,7 @@ impl Strides {
 }
 
 /// Strides along the rays of a packet.
-pub struct StridesAlong<'s, S: Level> {
+pub struct RayStrides<'s, S: Level> {
     strides: &'s Strides,
     /// That stays within the bricks around that of the sample: of more nothing is known.
     longest: F32s<S>,
@@ -72,7 +72,7 @@ pub struct StridesAlong<'s, S: Level> {
     pub last_alpha: F32s<S>,
 }
 
-impl<S: Level> StridesAlong<'_, S> {
+impl<S: Level> RayStrides<'_, S> {
     /// The strides of samples in `cell`, where they are `sampled`; anything elsewhere. With their own, `left` lattice
     /// points are left of each ray. `alpha` is that of the pixel in front of them. What counts is the
     /// one in front of the sample before, so that the loop need not wait for what the last sample was. (Alpha only

@@ -3,7 +3,7 @@
 use crate::error::Error;
 use crate::lanes::{LANES, PACKET};
 use crate::levels::{Level, vectorized};
-use crate::march::{Counts, OfRuns};
+use crate::march::{Counts, RunBounds};
 use crate::raster::Raster;
 use crate::ray_packet::RayPacket;
 use crate::ray_state::RayState;
@@ -14,7 +14,7 @@ use std::sync::{Mutex, PoisonError};
 use strahl_volume::{Parts, cores};
 
 /// What the pixels of a raster hold before its colours are made linear.
-pub struct Drawn {
+pub struct DrawnRaster {
     /// Premultiplied, row by row from the top.
     pub pixels: Vec<[f32; 4]>,
     /// Distance of the hit in the first frame, in mm; empty if nobody asked.
@@ -39,11 +39,11 @@ pub fn draw<S: Level>(
     edge: u32,
     states: Option<&RayStates>,
     parts: &Parts,
-) -> Result<Drawn, Error> {
+) -> Result<DrawnRaster, Error> {
     let plan = scenery.plan;
     let [width, height] = raster.size(plan);
     if width == 0 || height == 0 {
-        return Ok(Drawn {
+        return Ok(DrawnRaster {
             pixels: Vec::new(),
             depth_mm: Vec::new(),
             counts: Counts::default(),
@@ -69,7 +69,7 @@ pub fn draw<S: Level>(
             || draw_tile(scenery, raster, states, tile, parts),
         )
     })?;
-    Ok(Drawn {
+    Ok(DrawnRaster {
         pixels,
         depth_mm,
         counts,
@@ -150,7 +150,7 @@ fn draw_tile<S: Level>(
 ) -> Counts {
     let mut counts = Counts::default();
     let mut rays = RayPacket::empty(scenery.plan.layers.len());
-    let mut of_runs = OfRuns::none();
+    let mut of_runs = RunBounds::none();
     let (width, height) = (tile.rows[0].len(), tile.rows.len());
     let [x0, y0] = tile.corner;
     let end = [(x0 + width) as u32, (y0 + height) as u32];

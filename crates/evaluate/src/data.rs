@@ -7,8 +7,8 @@ use strahl_scene::Source;
 use strahl_scene::plan::{Field, Plan};
 use strahl_volume::bricks::Bricks;
 use strahl_volume::{
-    ContentId, Control, Datasets, LabelIds, LabelNumbers, LabelNumbersOf, Mesh, Rescale, Store,
-    ValuesOf, Volume, with_samples,
+    ContentId, Control, Datasets, LabelIds, LabelNumbers, LabelNumbersKey, Mesh, Rescale, Store,
+    ValuesKey, Volume, with_samples,
 };
 
 /// What a Plan reads of its data.
@@ -51,15 +51,15 @@ impl<'d> Data<'d> {
         for mask in &datasets.masks {
             masks.push(match mask.rescale().slope > 0.0 {
                 true => Arc::new(mask.clone()),
-                false => {
-                    store.find(&ValuesOf(mask.id()), control, || mask.values_under(control))?
-                }
+                false => store.find(&ValuesKey(mask.id()), control, || {
+                    mask.values_under(control)
+                })?,
             });
         }
         let label_numbers = match plan.labelled() {
             Some(labelled) => {
                 let labels = &datasets.labels[labelled.labels];
-                let key = LabelNumbersOf(labels.content_id());
+                let key = LabelNumbersKey(labels.content_id());
                 Some(store.find(&key, control, || labels.numbers_under(control))?)
             }
             None => None,

@@ -1,10 +1,10 @@
-//! Runs linked programs without a GPU.
+//! Runs linked programs on the CPU.
 //!
-//! A [`Program`] is WGSL, checked by naga. Here naga's expressions and statements
-//! are compiled to operations on registers of [`LANES`] numbers, one per pixel of a block, with masks for
-//! what each pixel has decided; so every program draws anywhere, whoever wrote it: the linker from settings,
-//! a user in a module, a graph. It is the renderer for what has no twin on the CPU, and the witness for
-//! what a GPU draws: interpolation is exact, and the bytes are the same on any number of threads.
+//! A [`Program`] is WGSL, checked by naga. The evaluator compiles naga's expressions and statements to
+//! operations on registers of [`LANES`] numbers, one per pixel of a block, with masks for control flow.
+//! It draws every program, whether it comes from settings, from a user's module or from a graph. The
+//! CPU uses it for functions without a twin, and the tests use it to check GPUs independently.
+//! Interpolation is exact, and the bytes are the same at any number of threads.
 //!
 //! ```
 //! use strahl_evaluate::Evaluator;
@@ -19,9 +19,9 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! [`Machine`] runs single functions and entry points: a vertex stage, or a function under test. What a
-//! program does that is not covered (derivatives over pixels, textures of several levels or layers, storage
-//! buffers, whole numbers and floats of other than 32 bits) is refused by name before a pixel is drawn.
+//! [`Machine`] runs single functions and entry points, such as a vertex stage or a function under test.
+//! Unsupported features (derivatives, textures with several levels or layers, storage buffers, numbers
+//! with other than 32 bits) are refused by name before a pixel is drawn.
 
 #![warn(missing_docs)]
 

@@ -11,7 +11,7 @@ use strahl_scene::plan::{Field, Plan};
 use strahl_shader::Texels;
 use strahl_volume::bricks::Bricks;
 use strahl_volume::{
-    ContentId, Control, Datasets, Key, LabelNumbersOf, LabelVolume, Store, ValuesOf, Volume,
+    ContentId, Control, Datasets, Key, LabelNumbersKey, LabelVolume, Store, ValuesKey, Volume,
 };
 
 /// Data that Plans are drawn from, and how the device holds it: known before anything is copied.
@@ -26,12 +26,12 @@ pub struct Data {
 
 /// Key of a volume on the device.
 #[derive(Clone, PartialEq)]
-struct TextureOf {
+struct TextureKey {
     volume: ContentId,
     most: u32,
 }
 
-impl Key for TextureOf {
+impl Key for TextureKey {
     type Value = VolumeTexture;
 
     const NAME: &str = "textures of volumes";
@@ -43,9 +43,9 @@ impl Key for TextureOf {
 
 /// Key of the segments of a label volume on the device.
 #[derive(Clone, PartialEq)]
-struct LabelTextureOf(ContentId);
+struct LabelTextureKey(ContentId);
 
-impl Key for LabelTextureOf {
+impl Key for LabelTextureKey {
     type Value = LabelTexture;
 
     const NAME: &str = "textures of labels";
@@ -57,9 +57,9 @@ impl Key for LabelTextureOf {
 
 /// Key of a mesh on the device.
 #[derive(Clone, PartialEq)]
-struct CornersOf(ContentId);
+struct CornersKey(ContentId);
 
-impl Key for CornersOf {
+impl Key for CornersKey {
     type Value = MeshCorners;
 
     const NAME: &str = "corners of meshes";
@@ -155,7 +155,7 @@ impl Data {
         device: &Device,
         plan: &Plan,
         control: &Control,
-    ) -> Result<OnDevice, Error> {
+    ) -> Result<DeviceData, Error> {
         let mut volumes = Vec::new();
         for (index, own) in self.datasets.volumes.iter().enumerate() {
             let source = match reader(plan, index) {
@@ -178,7 +178,7 @@ impl Data {
         }
         let mut meshes = Vec::new();
         for mesh in &self.datasets.meshes {
-            let key = CornersOf(mesh.id());
+            let key = CornersKey(mesh.id());
             meshes.push(match device.store().get(&key) {
                 Some(known) => known,
                 None => device.store().put(&key, MeshCorners::new(device, mesh)?),
@@ -192,7 +192,7 @@ impl Data {
             None => None,
         };
         device.check()?;
-        Ok(OnDevice {
+        Ok(DeviceData {
             volumes,
             masks,
             labels,
@@ -206,7 +206,7 @@ impl Data {
         volume: &Volume,
         control: &Control,
     ) -> Result<Arc<VolumeTexture>, Error> {
-        let key = TextureOf {
+        let key = TextureKey {
             volume: volume.id(),
             most: self.most,
         };
@@ -223,11 +223,11 @@ impl Data {
         labels: &LabelVolume,
         control: &Control,
     ) -> Result<Arc<LabelTexture>, Error> {
-        let key = LabelTextureOf(labels.content_id());
+        let key = LabelTextureKey(labels.content_id());
         if let Some(known) = device.store().get(&key) {
             return Ok(known);
         }
-        let numbers = self.store.find(&LabelNumbersOf(key.0), control, || {
+        let numbers = self.store.find(&LabelNumbersKey(key.0), control, || {
             labels.numbers_under(control)
         })?;
         let texture = LabelTexture::new(device, labels.grid().dims(), &numbers, self.most)?;
@@ -247,9 +247,9 @@ impl Data {
         if holds_stored_numbers(device, mask) {
             return self.texture(device, mask, control).await;
         }
-        let values = self
-            .store
-            .find(&ValuesOf(mask.id()), control, || mask.values_under(control))?;
+        let values = self.store.find(&ValuesKey(mask.id()), control, || {
+            mask.values_under(control)
+        })?;
         self.texture(device, &values, control).await
     }
 }
@@ -281,7 +281,7 @@ fn reader(plan: &Plan, volume: usize) -> Option<&Field> {
 }
 
 /// What a picture reads on the device.
-pub struct OnDevice {
+pub struct DeviceData {
     volumes: Vec<VolumeOnDevice>,
     masks: Vec<Arc<VolumeTexture>>,
     /// The segments that are drawn.
@@ -296,7 +296,7 @@ struct VolumeOnDevice {
     bricks: Arc<Bricks>,
 }
 
-impl OnDevice {
+impl DeviceData {
     pub fn view(&self, volume: usize) -> &wgpu::TextureView {
         &self.volumes[volume].texture.view
     }

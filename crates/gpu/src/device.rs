@@ -6,7 +6,7 @@ use std::fmt;
 use std::sync::{Arc, Mutex, PoisonError};
 use strahl_volume::Store;
 
-/// An adapter of this machine.
+/// A graphics adapter of this machine.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Adapter {
     /// Its name.
@@ -15,7 +15,7 @@ pub struct Adapter {
     pub backend: String,
     /// The driver.
     pub driver: String,
-    /// Whether it is a program on the CPU.
+    /// Whether it is a software renderer, which runs on the CPU.
     pub is_software: bool,
 }
 
@@ -41,10 +41,18 @@ impl Adapter {
     }
 }
 
-/// All adapters, the ones made of silicon first.
+/// All adapters that can draw, hardware first.
 pub fn adapters() -> Vec<Adapter> {
     let found = pollster::block_on(found());
-    found.iter().map(Adapter::of).collect()
+    let usable = found.iter().filter(|adapter| can_draw(adapter));
+    usable.map(Adapter::of).collect()
+}
+
+/// Whether an adapter draws into the textures that pictures are made in. Some drivers for OpenGL do not.
+fn can_draw(adapter: &wgpu::Adapter) -> bool {
+    let features = adapter.get_texture_format_features(wgpu::TextureFormat::Rgba32Float);
+    let usages = features.allowed_usages;
+    usages.contains(wgpu::TextureUsages::RENDER_ATTACHMENT)
 }
 
 async fn found() -> Vec<wgpu::Adapter> {
@@ -60,7 +68,8 @@ async fn found() -> Vec<wgpu::Adapter> {
             wgpu::DeviceType::VirtualGpu | wgpu::DeviceType::Other => 2,
             wgpu::DeviceType::Cpu => 3,
         };
-        (kind, info.backend == wgpu::Backend::Gl)
+        let is_gl = info.backend == wgpu::Backend::Gl;
+        (!can_draw(adapter), kind, is_gl)
     });
     found
 }
@@ -114,6 +123,13 @@ impl Device {
                     .collect::<Vec<_>>()
                     .join("; "),
             })?;
+        if !can_draw(chosen) {
+            return Err(Error::Device {
+                adapter: Adapter::of(chosen).to_string(),
+                why: "it cannot draw into textures of 32-bit floats; install a Vulkan driver"
+                    .to_owned(),
+            });
+        }
         let description = wgpu::DeviceDescriptor {
             label: Some("strahl"),
             required_features: chosen.features() & Device::USEFUL_FEATURES,

@@ -35,7 +35,7 @@ pub enum Error {
     Driver(String),
     /// The volume does not fit into a texture, nor do its pages.
     #[error(
-        "the volume has {dims:?} voxels, and more that differ than the graphics adapter has room for (textures of {most} along an axis, {most_bytes} bytes); draw on the CPU, or a coarser level of it"
+        "the volume of {dims:?} voxels does not fit into the textures of the graphics adapter (at most {most} texels along an axis and {most_bytes} bytes), even if equal blocks are stored once; draw on the CPU, or use a coarser level of detail"
     )]
     TooLarge {
         /// Of the volume.
@@ -83,7 +83,7 @@ pub enum Error {
     Slicing(#[from] strahl_program::SlicingError),
     /// The adapter does not blend 32-bit floats.
     #[error(
-        "the graphics adapter {adapter} cannot blend numbers of 32 bit, which slices need (16 bit lose what many thin slices add up to); draw on the CPU, or by a graph with a loop along the ray"
+        "the graphics adapter {adapter} cannot blend 32-bit floats, which slices need (16 bits are too few for many thin slices); draw on the CPU, or by a graph with a loop along the ray"
     )]
     NoBlending {
         /// Its name.

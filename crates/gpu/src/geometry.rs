@@ -35,7 +35,7 @@ struct View {
 /// The struct `Mesh` of `geometry.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
-struct Placed {
+struct PlacedMesh {
     world_from_mesh: [[f32; 4]; 3],
     normal_map: [[f32; 4]; 3],
     color: [f32; 4],
@@ -176,7 +176,7 @@ impl Geometry {
             let map = placed.world_from_mesh;
             let normals = DAffine3::from_mat3(map.matrix3.inverse().transpose());
             let [r, g, b] = placed.color;
-            let numbers = Placed {
+            let numbers = PlacedMesh {
                 world_from_mesh: rows(&map),
                 normal_map: rows(&normals),
                 color: [r, g, b, 1.0],
@@ -198,7 +198,7 @@ impl Geometry {
             (placed.mesh, bindings)
         };
         Geometry {
-            color: Plane::new(device, "geometry colour", COLOR),
+            color: Plane::new(device, "geometry color", COLOR),
             distance: Plane::new(device, "geometry distance", DISTANCE),
             nearest: Plane::new(device, "geometry order", depth_format),
             placed: plan.meshes.iter().map(place).collect(),
@@ -361,12 +361,12 @@ mod tests {
         // The padding has no name there.
         view.pop();
         assert_eq!(struct_of("View"), (view, size_of::<View>()));
-        let mesh = fields!(Placed {
+        let mesh = fields!(PlacedMesh {
             world_from_mesh,
             normal_map,
             color
         });
-        assert_eq!(struct_of("Mesh"), (mesh, size_of::<Placed>()));
+        assert_eq!(struct_of("Mesh"), (mesh, size_of::<PlacedMesh>()));
         let source = vec![("place".to_owned(), 0), ("radiance".to_owned(), 16)];
         assert_eq!(struct_of("Source"), (source, size_of::<[[f32; 4]; 2]>()));
     }

@@ -1,7 +1,7 @@
-//! Draws a Plan on the GPU, through wgpu.
+//! Draws Plans on the GPU, through wgpu.
 //!
-//! The same ray loop as on the CPU, linked from the same functions ([`strahl_shader`]), runs in
-//! the fragment stage, in strips small enough that no driver loses patience. It needs no window.
+//! The ray loop is linked from shader functions ([`strahl_shader`]) and runs in the fragment stage. It
+//! draws in strips, so that no submission exceeds the time limit of a driver. It needs no window.
 //!
 //! ```
 //! use strahl_gpu::{Device, Renderer};
@@ -41,7 +41,7 @@ pub use strahl_scene::{Rendered, Stats};
 /// What devices and textures of others are made with.
 pub use wgpu;
 
-use data::{Data, OnDevice};
+use data::{Data, DeviceData};
 use geometry::Geometry;
 use pipelines::{COLOR, Output, Pipelines, Ready};
 use shown::{Show, Shower};
@@ -77,7 +77,7 @@ struct Prepared {
     frame_buffer: wgpu::Buffer,
     bindings: wgpu::BindGroup,
     geometry: Option<Geometry>,
-    data: OnDevice,
+    data: DeviceData,
     with_depth: bool,
 }
 
@@ -603,7 +603,7 @@ impl Renderer {
         plan: &Plan,
         program: &Program,
         ready: &Ready,
-        (parameters, textures, data): (&[u8], &[Table2d], OnDevice),
+        (parameters, textures, data): (&[u8], &[Table2d], DeviceData),
         control: &Control,
     ) -> Result<Prepared, Error> {
         let frame = Frame {
@@ -754,7 +754,7 @@ impl Renderer {
         &self,
         plan: &Plan,
         objects: &mut [Object],
-        data: &OnDevice,
+        data: &DeviceData,
         control: &Control,
     ) -> Result<wgpu::TextureView, Cancelled> {
         let of_object = |i: usize| data.bricks(plan.field_of(i).volume);
@@ -771,7 +771,7 @@ impl Renderer {
     }
 
     /// The page tables of all paged volumes.
-    fn pages(&self, plan: &Plan, objects: &mut [Object], data: &OnDevice) -> wgpu::TextureView {
+    fn pages(&self, plan: &Plan, objects: &mut [Object], data: &DeviceData) -> wgpu::TextureView {
         let of_object: Vec<_> = plan
             .drawn_fields()
             .map(|field| match data.pages(field.volume) {

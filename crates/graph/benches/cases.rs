@@ -11,7 +11,7 @@
 
 use std::sync::Arc;
 use strahl_graph::{
-    Compiled, Compiler, Graph, GraphUse, Patterns, Texture, edited, pre_integrated, standard,
+    CompiledGraph, Compiler, Graph, GraphUse, Patterns, Texture, edited, pre_integrated, standard,
 };
 use strahl_program::{Functions, Table2d};
 use strahl_scene::plan::Plan;
@@ -103,7 +103,7 @@ impl Case {
     }
 
     /// The program that the compiler makes.
-    pub fn generated(&self, plan: &Plan, what: &RayLoop, functions: &Functions) -> Compiled {
+    pub fn generated(&self, plan: &Plan, what: &RayLoop, functions: &Functions) -> CompiledGraph {
         Compiler::default()
             .compile(self.name, &self.graph(plan), what, functions)
             .unwrap_or_else(|error| panic!("{error}"))
@@ -130,7 +130,7 @@ impl Case {
 }
 
 /// The textures of a compiled case.
-pub fn tables(compiled: &Compiled, plan: &Plan) -> Vec<Table2d> {
+pub fn tables(compiled: &CompiledGraph, plan: &Plan) -> Vec<Table2d> {
     let table = |(_, texture, object): &(String, Texture, usize)| match texture {
         Texture::Texels {
             width,

@@ -21,7 +21,7 @@ pub const MOST_TEXTURES: usize = strahl_shader::bindings::TEXTURES as usize;
 
 /// A graph in which everything is found.
 #[derive(Debug)]
-pub struct Checked {
+pub struct CheckedGraph {
     /// Nodes that compute something, sources before those that read them; loops at their end.
     pub nodes: Vec<CheckedNode>,
     /// What is wanted.
@@ -105,7 +105,11 @@ struct Value {
 }
 
 /// Everything wrong with `graph`, or what it means. `objects` is how many objects the scene has.
-pub fn check(graph: &Graph, patterns: &Patterns, objects: usize) -> Result<Checked, Vec<Problem>> {
+pub fn check(
+    graph: &Graph,
+    patterns: &Patterns,
+    objects: usize,
+) -> Result<CheckedGraph, Vec<Problem>> {
     let mut checker = Checker::new(graph, patterns, objects);
     checker.names();
     checker.problems.extend(crate::slicing::problems(graph));
@@ -371,7 +375,7 @@ impl<'g> Checker<'g> {
                 Kind::If => {
                     let Some((output, members)) = at.path.split_first() else {
                         return Err(format!(
-                            "say which output of `{described}`: `{described}.NAME`"
+                            "name an output of `{described}`: `{described}.NAME`"
                         ));
                     };
                     let this = &self.graph.nodes[node];
@@ -411,7 +415,7 @@ impl<'g> Checker<'g> {
                     let names: Vec<_> = region.carry.iter().map(|c| c.name.as_str()).collect();
                     let Some((variable, members)) = rest.split_first() else {
                         return Err(format!(
-                            "say which variable of `{described}`: inside the loop `{described}.NAME`, outside `{described}.last.NAME`, with {}",
+                            "name a variable of `{described}`: inside the loop `{described}.NAME`, outside `{described}.last.NAME`, with {}",
                             names.join(", ")
                         ));
                     };
@@ -450,12 +454,12 @@ impl<'g> Checker<'g> {
                         }
                         Some(Input::Constant(_)) => {
                             return Err(format!(
-                                "the type of `{described}.{variable}` cannot be told from a number; say `type`"
+                                "the type of `{described}.{variable}` does not follow from a number; set `type`"
                             ));
                         }
                         None => {
                             return Err(format!(
-                                "the loop variable `{described}.{variable}` has no initial value; say `start`"
+                                "the loop variable `{described}.{variable}` has no initial value; set `start`"
                             ));
                         }
                     }
@@ -488,7 +492,7 @@ impl<'g> Checker<'g> {
                                     format!("`{described}` has no output `{wrong}`; it has {names}")
                                 }
                                 None => {
-                                    format!("say which output of `{described}`: it has {names}")
+                                    format!("name an output of `{described}`: it has {names}")
                                 }
                             });
                         }
@@ -615,7 +619,7 @@ impl<'g> Checker<'g> {
                     self.wrong(
                         place,
                         format!(
-                            "`{reference}` is a {}, and `{}` takes a {}",
+                            "`{reference}` is {}, but `{}` needs {}",
                             value.ty, port.name, port.ty
                         ),
                     );
@@ -687,10 +691,7 @@ impl<'g> Checker<'g> {
                 if value.ty != Type::of(wanted) {
                     self.wrong(
                         place,
-                        format!(
-                            "`{reference}` is a {}, and the root takes a {wanted}",
-                            value.ty
-                        ),
+                        format!("`{reference}` is {}, but the root needs {wanted}", value.ty),
                     );
                 }
                 self.roots.push((name.clone(), value.operand));
@@ -738,10 +739,7 @@ impl<'g> Checker<'g> {
                 (None, None) => {
                     self.wrong(
                         place,
-                        format!(
-                            "not connected, and it has no default; it takes a {}",
-                            port.ty
-                        ),
+                        format!("not connected, and it has no default; it needs {}", port.ty),
                     );
                     None
                 }
@@ -823,7 +821,7 @@ impl<'g> Checker<'g> {
         if region.while_.is_none() && region.until.is_none() {
             self.wrong(
                 format!("{place}.loop"),
-                "the loop never ends; say `while` or `until`",
+                "the loop never ends; set `while` or `until`",
             );
         }
         let mut seen: Vec<&str> = Vec::new();
@@ -840,7 +838,7 @@ impl<'g> Checker<'g> {
             seen.push(&carried.name);
             let inside = Reference::new(&format!("{}.{}", node.name, carried.name));
             let Some(start) = &carried.start else {
-                self.wrong(&place, "no initial value; say `start`");
+                self.wrong(&place, "no initial value; set `start`");
                 continue;
             };
             let Some(value) = self.value(&inside, &place) else {
@@ -905,7 +903,7 @@ impl<'g> Checker<'g> {
             [] => {
                 self.wrong(
                     place,
-                    format!("no next value: say `next`, or have a node with the output `{name}`"),
+                    format!("no next value: set `next`, or add a node with the output `{name}`"),
                 );
                 None
             }
@@ -913,7 +911,7 @@ impl<'g> Checker<'g> {
                 self.wrong(
                     place,
                     format!(
-                        "no next value, and several nodes have the output `{name}`: {}; say `next`",
+                        "no next value, and several nodes have the output `{name}`: {}; set `next`",
                         several.join(", ")
                     ),
                 );
@@ -1218,7 +1216,7 @@ impl<'g> Checker<'g> {
     }
 
     /// What roots need, in a list of its own.
-    fn finish(&mut self, order: &[usize], loops: &[u64]) -> Checked {
+    fn finish(&mut self, order: &[usize], loops: &[u64]) -> CheckedGraph {
         let mut number: HashMap<usize, usize> = HashMap::new();
         let mut nodes: Vec<CheckedNode> = Vec::new();
         // Loops are named before what is in them is: their place is their end.
@@ -1275,7 +1273,7 @@ impl<'g> Checker<'g> {
                 comment: this.comment.clone(),
             });
         }
-        Checked {
+        CheckedGraph {
             nodes,
             roots: self
                 .roots

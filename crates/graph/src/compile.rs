@@ -1,6 +1,6 @@
 //! From a graph to a linked program, once for each shape of a graph.
 
-use crate::check::{self, Checked};
+use crate::check::{self, CheckedGraph};
 use crate::emit::emit;
 use crate::error::{Error, Problem};
 use crate::fold::folded;
@@ -14,7 +14,7 @@ use strahl_shader::{Linker, Program, RayLoop, Selection, graph_loop};
 
 /// A graph ready to be drawn.
 #[derive(Clone, Debug)]
-pub struct Compiled {
+pub struct CompiledGraph {
     /// The program, the same as long as only values change.
     pub program: Arc<Program>,
     /// The bytes of its parameters' uniform block.
@@ -83,7 +83,7 @@ impl Compiler {
         graph: &Graph,
         what: &RayLoop,
         functions: &Functions,
-    ) -> Result<Compiled, Error> {
+    ) -> Result<CompiledGraph, Error> {
         let wrong = |problems| Error::Graph {
             file: file.to_owned(),
             problems,
@@ -151,7 +151,7 @@ impl Compiler {
                 _ => None,
             }
         });
-        Ok(Compiled {
+        Ok(CompiledGraph {
             program: shape.program.clone(),
             parameters,
             textures: textures.collect(),
@@ -163,7 +163,7 @@ impl Compiler {
     fn link(
         &self,
         graph: &Graph,
-        checked: Checked,
+        checked: CheckedGraph,
         what: &RayLoop,
         functions: &Functions,
     ) -> Result<Shape, Wrong> {

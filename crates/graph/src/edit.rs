@@ -2,7 +2,7 @@
 
 use crate::error::Problem;
 use crate::functions::{self, Patterns, nearest};
-use crate::model::{Carried, Constant, Graph, Input, Kind, Node, Reference};
+use crate::model::{CarriedVariable, Constant, Graph, Input, Kind, Node, Reference};
 use std::collections::HashMap;
 
 /// A list of commands with a name.
@@ -37,17 +37,17 @@ pub enum Edit {
         /// Who is read no more.
         node: String,
         /// Who is read.
-        by: By,
+        by: Replacement,
     },
     /// A stage of the standard graph is something else.
     ReplaceStage {
         /// Its name.
         stage: String,
         /// What comes out of it.
-        by: By,
+        by: Replacement,
     },
     /// More variables that a loop carries: `LOOP.VARIABLE`.
-    Carry(Vec<(String, Carried)>),
+    Carry(Vec<(String, CarriedVariable)>),
     /// Values of parameters and uniforms: `NODE.PARAMETER`, `NODE.value`.
     Set(Vec<(String, Vec<f64>)>),
     /// Roots, in place of those of the same name.
@@ -62,7 +62,7 @@ pub enum Edit {
 
 /// What comes in place of something.
 #[derive(Clone, Debug, PartialEq)]
-pub enum By {
+pub enum Replacement {
     /// One node, or one output.
     One(Reference),
     /// Part by part.
@@ -82,7 +82,7 @@ pub const STAGES: [(&str, &[&str]); 7] = [
 
 /// An edited graph.
 #[derive(Clone, Debug)]
-pub struct Edited {
+pub struct EditedGraph {
     /// The graph.
     pub graph: Graph,
     /// Where two lists want the same place: the later one has it.
@@ -98,7 +98,7 @@ pub fn edited(
     graph: Graph,
     lists: &[EditList],
     patterns: &Patterns,
-) -> Result<Edited, Vec<Problem>> {
+) -> Result<EditedGraph, Vec<Problem>> {
     let mut editor = Editor {
         graph,
         patterns,
@@ -117,7 +117,7 @@ pub fn edited(
     if !editor.problems.is_empty() {
         return Err(editor.problems);
     }
-    Ok(Edited {
+    Ok(EditedGraph {
         graph: editor.graph,
         conflicts: editor.conflicts,
     })
@@ -302,7 +302,7 @@ impl Editor<'_> {
         let Some((name, rest)) = to.split_once('.') else {
             return match self.graph.node(to).map(|node| &node.kind) {
                 Some(Kind::Anchor) => self.input(&format!("{to}.in")),
-                Some(_) => Err(format!("say which input of `{to}`: `{to}.INPUT`")),
+                Some(_) => Err(format!("name an input of `{to}`: `{to}.INPUT`")),
                 None => Err(self.no_node(to)),
             };
         };
@@ -422,10 +422,10 @@ impl Editor<'_> {
             Kind::Group(graph) => {
                 let free = graph.inputs.iter().find(|i| node.reads(&i.name).is_none());
                 return free.map(|i| i.name.clone()).ok_or_else(|| {
-                    "all inputs of the group are connected; say `input`".to_owned()
+                    "all inputs of the group are connected; set `input`".to_owned()
                 });
             }
-            _ => return Err("say `input`: which input reads what was there".to_owned()),
+            _ => return Err("set `input` to the input that reads the previous value".to_owned()),
         };
         let function = function?;
         let free = function
@@ -433,18 +433,18 @@ impl Editor<'_> {
             .iter()
             .find(|port| node.reads(&port.name).is_none());
         free.map(|port| port.name.clone())
-            .ok_or_else(|| format!("all inputs of `{}` are connected; say `input`", node.name))
+            .ok_or_else(|| format!("all inputs of `{}` are connected; set `input`", node.name))
     }
 
-    fn replace_node(&mut self, node: &str, by: &By, place: &str) {
+    fn replace_node(&mut self, node: &str, by: &Replacement, place: &str) {
         if self.graph.node(node).is_none() {
             let why = self.no_node(node);
             self.wrong(format!("{place}.node"), why);
             return;
         }
         let own: Vec<String> = match by {
-            By::One(reference) => vec![reference.node.clone()],
-            By::Parts(parts) => (parts.iter())
+            Replacement::One(reference) => vec![reference.node.clone()],
+            Replacement::Parts(parts) => (parts.iter())
                 .filter_map(|(_, from)| match from {
                     Input::From(reference) => Some(reference.node.clone()),
                     Input::Constant(_) => None,
@@ -463,12 +463,12 @@ impl Editor<'_> {
             }
             has_reader = true;
             match by {
-                By::One(target) => {
+                Replacement::One(target) => {
                     let rest = std::mem::take(&mut reference.path);
                     *reference = target.clone();
                     reference.path.extend(rest);
                 }
-                By::Parts(parts) => {
+                Replacement::Parts(parts) => {
                     let part = reference.path.first().and_then(|first| parts.iter().find(|(p, _)| p == first));
                     match part {
                         Some((_, Input::From(target))) => {
@@ -479,7 +479,7 @@ impl Editor<'_> {
                         Some((part, Input::Constant(_))) => problems.push(format!(
                             "`{part}` is read at {at}: a node takes its place; for a number, connect that input"
                         )),
-                        None => problems.push(format!("{at} reads `{reference}`, for which `by` says nothing")),
+                        None => problems.push(format!("{at} reads `{reference}`, which `by` does not replace")),
                     }
                 }
             }
@@ -497,7 +497,7 @@ impl Editor<'_> {
         self.write(&format!("{node} as a whole"), place);
     }
 
-    fn replace_stage(&mut self, stage: &str, by: &By, place: &str) {
+    fn replace_stage(&mut self, stage: &str, by: &Replacement, place: &str) {
         let Some((_, parts)) = STAGES.iter().find(|(name, _)| *name == stage) else {
             let names: Vec<_> = STAGES.iter().map(|(name, _)| *name).collect();
             self.wrong(
@@ -507,21 +507,21 @@ impl Editor<'_> {
             return;
         };
         let ends: Vec<(String, Input)> = match by {
-            By::One(reference) if parts.is_empty() => {
+            Replacement::One(reference) if parts.is_empty() => {
                 vec![(format!("after_{stage}.in"), Input::From(reference.clone()))]
             }
-            By::One(reference) => (parts.iter())
+            Replacement::One(reference) => (parts.iter())
                 .map(|part| {
                     let mut reference = reference.clone();
                     reference.path.push((*part).to_owned());
                     (format!("after_{stage}_{part}.in"), Input::From(reference))
                 })
                 .collect(),
-            By::Parts(given) => {
+            Replacement::Parts(given) => {
                 if given.is_empty() {
                     self.wrong(
                         format!("{place}.by"),
-                        "it says nothing that comes in place of the stage",
+                        "it has nothing to replace the stage with",
                     );
                     return;
                 }
@@ -567,9 +567,9 @@ impl Editor<'_> {
         }
     }
 
-    fn carry(&mut self, to: &str, carried: &Carried, place: &str) {
+    fn carry(&mut self, to: &str, carried: &CarriedVariable, place: &str) {
         let Some((name, variable)) = to.split_once('.') else {
-            self.wrong(place, "say the loop and its variable: LOOP.VARIABLE");
+            self.wrong(place, "name the loop and its variable: LOOP.VARIABLE");
             return;
         };
         let why = self.no_node(name);
@@ -579,7 +579,7 @@ impl Editor<'_> {
                     self.wrong(place, format!("the loop `{name}` carries `{variable}` already; rename it, or connect `{to}.next`"));
                     return;
                 }
-                region.carry.push(Carried {
+                region.carry.push(CarriedVariable {
                     name: variable.to_owned(),
                     ..carried.clone()
                 });
@@ -592,7 +592,7 @@ impl Editor<'_> {
 
     fn set(&mut self, to: &str, value: &[f64], place: &str) {
         let Some((name, parameter)) = to.split_once('.') else {
-            self.wrong(place, "say the node and its parameter: NODE.PARAMETER");
+            self.wrong(place, "name the node and its parameter: NODE.PARAMETER");
             return;
         };
         let why = self.no_node(name);

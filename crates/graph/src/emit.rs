@@ -6,7 +6,7 @@
 //! `if` reads is computed in that branch. In one place nodes come by their longest path to a root, the longest
 //! first, so that nodes of one stage stand together; ties in the order of the text.
 
-use crate::check::{Checked, Operand, What};
+use crate::check::{CheckedGraph, Operand, What};
 use crate::error::Problem;
 use crate::functions::{Call, RAY};
 use crate::model::{Interpolation, Stage};
@@ -26,7 +26,7 @@ const MOST_VARYINGS: usize = 12;
 
 /// A graph as WGSL.
 #[derive(Debug)]
-pub struct Emitted {
+pub struct EmittedProgram {
     /// `fn march`, with what it declares.
     pub march: String,
     /// The functions that it calls, by their names.
@@ -51,7 +51,7 @@ struct Place {
 }
 
 struct Emitter<'c> {
-    graph: &'c Checked,
+    graph: &'c CheckedGraph,
     objects: usize,
     places: Vec<Place>,
     /// Where each node is computed.
@@ -73,10 +73,10 @@ struct Emitter<'c> {
 
 /// Writes `graph` for a scene of `objects`: along rays, or a slice of so many that come in this order.
 pub fn emit(
-    graph: &Checked,
+    graph: &CheckedGraph,
     objects: usize,
     slices: Option<Order>,
-) -> Result<Emitted, Vec<Problem>> {
+) -> Result<EmittedProgram, Vec<Problem>> {
     let mut emitter = Emitter {
         graph,
         objects,
@@ -130,7 +130,7 @@ pub fn emit(
     let color = root("color").map_or("vec4f(0.0)".to_owned(), |(_, color)| emitter.operand(color));
     emitter.line(1, &format!("return {color};"));
     emitter.line(0, "}");
-    Ok(Emitted {
+    Ok(EmittedProgram {
         march: emitter.text,
         functions,
         entry,

@@ -1,13 +1,13 @@
 //! What need not be in the program: values that are known when it is made, copies, and what is there twice.
 //!
 //! Each round goes from sources to readers and finds, for outputs, what they are instead: a value, because all
-//! that decides about it is known ([`Pure`] runs the function); an output of another node, because the function
+//! that decides about it is known ([`PureFunction`] runs the function); an output of another node, because the function
 //! hands it on as it is; or the same output of an equal node. Readers read that from then on. When nothing is
 //! found any more, what nobody reads is left out: nodes, outputs of `if`s, variables of loops, textures.
 
-use crate::check::{Checked, CheckedNode, Operand, What};
+use crate::check::{CheckedGraph, CheckedNode, Operand, What};
 use crate::functions::{Call, Function, Port};
-use crate::known::{Known, Pure};
+use crate::known::{Known, PureFunction};
 use crate::model::Stage;
 use crate::types::Type;
 use std::collections::HashMap;
@@ -18,7 +18,7 @@ use strahl_shader::{Module, PRELUDE, RayLoop, SLOTS, Selection, Slot, slot};
 const MOST_ROUNDS: usize = 16;
 
 /// `graph` without what need not be in the program over `what`, whose slots hold `selection`.
-pub fn folded(graph: Checked, what: &RayLoop, selection: &Selection) -> Checked {
+pub fn folded(graph: CheckedGraph, what: &RayLoop, selection: &Selection) -> CheckedGraph {
     let mut graph = with_lines(graph);
     for node in &mut graph.nodes {
         if let What::Call { function, .. } = &mut node.what
@@ -37,7 +37,7 @@ pub fn folded(graph: Checked, what: &RayLoop, selection: &Selection) -> Checked 
 
 /// The line of a ray in an object's voxel space as a node of its own, in front of those that begin by finding
 /// it: so several of one ray find it once.
-fn with_lines(graph: Checked) -> Checked {
+fn with_lines(graph: CheckedGraph) -> CheckedGraph {
     let mut place = Vec::with_capacity(graph.nodes.len());
     let mut lines = 0;
     for node in &graph.nodes {
@@ -98,7 +98,7 @@ fn with_lines(graph: Checked) -> Checked {
     }
     let mut roots = graph.roots;
     roots.iter_mut().for_each(|(_, root)| moved(root));
-    Checked {
+    CheckedGraph {
         nodes,
         roots,
         ..graph
@@ -123,12 +123,16 @@ fn of_line(what: &What) -> Option<&'static str> {
 }
 
 /// What `name` does if it is the function of a slot that nothing is in, or of values that are all finite.
-fn function_of_nothing(name: &str, what: &RayLoop, selection: &Selection) -> Option<Arc<Pure>> {
-    type Nulls = HashMap<&'static str, (Option<&'static Slot>, Arc<Pure>)>;
+fn function_of_nothing(
+    name: &str,
+    what: &RayLoop,
+    selection: &Selection,
+) -> Option<Arc<PureFunction>> {
+    type Nulls = HashMap<&'static str, (Option<&'static Slot>, Arc<PureFunction>)>;
     static NULLS: LazyLock<Nulls> = LazyLock::new(|| {
         let mut nulls = Nulls::new();
         let mut put = |name, slot, text: &str| {
-            if let Some(pure) = Pure::of(text, name, PRELUDE) {
+            if let Some(pure) = PureFunction::of(text, name, PRELUDE) {
                 nulls.insert(name, (slot, Arc::new(pure)));
             }
         };
@@ -163,7 +167,7 @@ fn function_of_nothing(name: &str, what: &RayLoop, selection: &Selection) -> Opt
 
 /// What stands in place of outputs and variables.
 #[derive(Default)]
-struct Instead {
+struct Replacements {
     /// Node and output.
     outputs: HashMap<(usize, usize), Operand>,
     /// Loop and variable: those that never change, by their start.
@@ -179,8 +183,8 @@ enum Key {
 }
 
 /// Goes once from sources to readers; whether anybody reads something else than before.
-fn replaced(graph: &mut Checked) -> bool {
-    let mut instead = Instead::default();
+fn replaced(graph: &mut CheckedGraph) -> bool {
+    let mut instead = Replacements::default();
     // Variables are read before their loop comes, which is where it ends.
     for (i, node) in graph.nodes.iter().enumerate() {
         let What::Loop { carry, .. } = &node.what else {
@@ -208,7 +212,7 @@ fn replaced(graph: &mut Checked) -> bool {
     is_changed
 }
 
-impl Instead {
+impl Replacements {
     /// Whether there is something in place of `operand`, which it is from then on.
     fn replace(&self, operand: &mut Operand) -> bool {
         // What is in its place may be a variable that never changes.
@@ -393,7 +397,7 @@ impl Read {
         }
     }
 
-    fn of(graph: &Checked) -> Read {
+    fn of(graph: &CheckedGraph) -> Read {
         let parts = |node: &CheckedNode| match &node.what {
             What::Call { .. } => 0,
             What::If { outputs, .. } => outputs.len(),
@@ -438,7 +442,7 @@ fn places(is_left: &[bool]) -> Vec<usize> {
 }
 
 /// `graph` without what nobody reads.
-fn needed(graph: Checked) -> Checked {
+fn needed(graph: CheckedGraph) -> CheckedGraph {
     let read = Read::of(&graph);
     let node = places(&read.nodes);
     let part: Vec<_> = read.parts.iter().map(|parts| places(parts)).collect();
@@ -470,7 +474,7 @@ fn needed(graph: Checked) -> Checked {
     let mut textures = graph.textures;
     let mut is_read = read.textures.iter();
     textures.retain(|_| is_read.next().copied().unwrap_or(true));
-    Checked {
+    CheckedGraph {
         nodes,
         roots,
         textures,

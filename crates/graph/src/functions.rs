@@ -2,7 +2,7 @@
 //! its ports.
 
 use crate::error::Problem;
-use crate::known::Pure;
+use crate::known::PureFunction;
 use crate::model::Constant;
 use crate::types::{Meaning, Type};
 use std::collections::HashMap;
@@ -36,7 +36,7 @@ pub struct Function {
     /// What is called.
     pub call: Call,
     /// The same, to be computed when a graph is compiled; `None` if it reads more than its arguments.
-    pub(crate) pure: Option<Arc<Pure>>,
+    pub(crate) pure: Option<Arc<PureFunction>>,
     /// A word for people.
     pub comment: String,
 }
@@ -310,7 +310,7 @@ static BUILT_IN: [BuiltIn; 14] = [
     BuiltIn {
         name: "composite_finish",
         call: "composite_finish",
-        comment: "The pixel that the scene's composite makes: colour, premultiplied, and opacity.",
+        comment: "The pixel that the scene's composite makes: color, premultiplied, and opacity.",
         inputs: &[("state", "CompositeState", "")],
         outputs: &[("out", "vec4f", "")],
     },
@@ -553,7 +553,7 @@ fn of_module(module: Arc<Module>) -> Result<Function, String> {
     };
     let is_pure = module.parameter_bytes() == 0 && module.needs().is_empty();
     let pure = is_pure
-        .then(|| Pure::of(module.source(), module.main(), PRELUDE))
+        .then(|| PureFunction::of(module.source(), module.main(), PRELUDE))
         .flatten();
     Ok(Function {
         inputs,
@@ -590,7 +590,7 @@ fn describe(port: &mut Port, text: &str) -> Result<(), String> {
             if is_like && !part.contains(' ') {
                 let known: Vec<_> = Meaning::names().collect();
                 return Err(format!(
-                    "says {part}, which is none of {}",
+                    "has the meaning {part}, which is none of {}",
                     known.join(", ")
                 ));
             }
@@ -622,10 +622,7 @@ mod tests {
         for name in Patterns::new().names() {
             let function = Patterns::new().function(&name).expect(&name);
             assert!(!function.outputs.is_empty(), "{name}");
-            assert!(
-                !function.comment.is_empty(),
-                "{name} says nothing of itself"
-            );
+            assert!(!function.comment.is_empty(), "{name} has no comment");
         }
     }
 }

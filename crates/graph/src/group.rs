@@ -88,7 +88,7 @@ fn one_level(mut graph: Graph) -> Result<Graph, Vec<Problem>> {
                 if reference.path.is_empty() {
                     problems.push(Problem::new(
                         format!("{place}.graph.{key}"),
-                        "say which input: inputs.NAME",
+                        "name the input: inputs.NAME",
                     ));
                     return;
                 }
@@ -137,7 +137,7 @@ fn one_level(mut graph: Graph) -> Result<Graph, Vec<Problem>> {
                     problems.push(Problem::new(
                         place,
                         format!(
-                            "say which output of `{}`: it has {}",
+                            "name an output of `{}`: it has {}",
                             reference.node,
                             names.join(", ")
                         ),

@@ -13,7 +13,7 @@ use std::collections::HashMap;
 
 /// A function that calls no other, reads nothing but its arguments, and has no loop.
 #[derive(Debug)]
-pub struct Pure {
+pub struct PureFunction {
     module: Module,
     function: Handle<Function>,
 }
@@ -34,9 +34,9 @@ pub enum Known {
 /// Texts longer than this are not worth a second look.
 const LONGEST: usize = 4096;
 
-impl Pure {
+impl PureFunction {
     /// The function `main` of `source`, if it is of that kind. `prelude` are the types that it may use.
-    pub fn of(source: &str, main: &str, prelude: &str) -> Option<Pure> {
+    pub fn of(source: &str, main: &str, prelude: &str) -> Option<PureFunction> {
         if source.len() > LONGEST {
             return None;
         }
@@ -45,7 +45,7 @@ impl Pure {
         let found = functions.find(|(_, f)| f.name.as_deref() == Some(main) && is_plain(&f.body));
         let function = found.map(|(handle, _)| handle)?;
         drop(functions);
-        Some(Pure { module, function })
+        Some(PureFunction { module, function })
     }
 
     /// What it gives for these arguments.

@@ -1,9 +1,9 @@
-//! Shader graphs: rays programmed by wiring typed nodes.
+//! Render graphs: programs for rays, made of typed nodes.
 //!
-//! A [`Graph`] is nodes, whose inputs read outputs of others, and roots, which are what is wanted.
-//! [`standard`] makes the graph that draws what the settings of a scene say; [`EditList`]s change it, and are
-//! applied again whenever the settings change; a [`Compiler`] makes a program of it, which any renderer of
-//! linked programs runs.
+//! A [`Graph`] consists of nodes, whose inputs read outputs of other nodes, and of roots, which are the
+//! results. [`standard`] makes the graph that corresponds to a Plan. [`EditList`]s change a graph and are
+//! applied again whenever the settings change. A [`Compiler`] compiles a graph to a program, which
+//! any renderer of linked programs runs.
 //!
 //! ```
 //! use strahl_graph::{Compiler, Graph, standard};
@@ -18,7 +18,8 @@
 //! let functions = Functions::of(&plan, true, |_, threshold| f64::from(threshold))?;
 //! let what = loop_of(&plan, Texels::Float);
 //! let compiled = Compiler::default().compile("standard", &graph, &what, &functions)?;
-//! assert!(compiled.program.wgsl().contains("let after_classify = ") == false, "anchors cost nothing");
+//! // Anchors are not in the program.
+//! assert!(!compiled.program.wgsl().contains("let after_classify = "));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
@@ -44,15 +45,15 @@ mod types;
 mod unread;
 
 pub use check::{MOST_LOOPS, MOST_NODES, MOST_TEXTURES};
-pub use compile::{Compiled, Compiler};
+pub use compile::{CompiledGraph, Compiler};
 pub use dot::{Detail, dot};
-pub use edit::{By, Edit, EditList, Edited, STAGES, edited};
+pub use edit::{Edit, EditList, EditedGraph, Replacement, STAGES, edited};
 pub use error::{Error, Problem};
 pub use functions::{Function, Patterns, Port, of_library, of_slot};
 pub use group::unfolded;
 pub use model::{
-    Carried, Constant, Graph, GroupInput, Input, Interpolation, Kind, Loop, Node, Reference, Stage,
-    Texture,
+    CarriedVariable, Constant, Graph, GroupInput, Input, Interpolation, Kind, Loop, Node,
+    Reference, Stage, Texture,
 };
 pub use pre_integrated::{MOST_EDGE, pre_integrated};
 pub use standard::standard;

@@ -161,7 +161,7 @@ pub enum Texture {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Loop {
     /// The carried variables.
-    pub carry: Vec<Carried>,
+    pub carry: Vec<CarriedVariable>,
     /// Looked at before each turn; the loop goes on while it is true.
     pub while_: Option<Reference>,
     /// Looked at after each turn; the loop ends when it is true.
@@ -170,7 +170,7 @@ pub struct Loop {
 
 /// A variable that a loop hands from turn to turn.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Carried {
+pub struct CarriedVariable {
     /// Its name.
     pub name: String,
     /// Its type; that of `start` if not said.

@@ -80,12 +80,12 @@ fn why_not(node: &Node, pattern: &str, is_slicing: bool) -> Option<String> {
     }
     if !is_slicing && OF_A_SLICE.contains(&pattern) {
         return Some(format!(
-            "only a graph with `slicing` has slices; say how they are blended, such as \"slicing\": {{ \"blend\": \"front-to-back\" }}, or take the point from the lattice of a ray instead of `{pattern}`"
+            "only a graph with `slicing` has slices; set how they are blended, such as \"slicing\": {{ \"blend\": \"front-to-back\" }}, or take the point from the lattice of a ray instead of `{pattern}`"
         ));
     }
     if pattern == CORNER && !is_vertex {
         return Some(
-            "the corners of the picture are there in the vertex stage only; say \"stage\": \"vertex\""
+            "the corners of the picture are there in the vertex stage only; set \"stage\": \"vertex\""
                 .to_owned(),
         );
     }
@@ -475,7 +475,7 @@ mod tests {
             ours,
             r#", "edge": { "pattern": "corner" }"#,
             "nodes.edge: ",
-            r#"say "stage": "vertex""#,
+            r#"set "stage": "vertex""#,
         );
         refused(
             ours,

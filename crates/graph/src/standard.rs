@@ -6,7 +6,7 @@
 //! names.
 
 use crate::error::{Error, Problem};
-use crate::model::{Carried, Constant, Graph, Input, Kind, Loop, Node, Reference};
+use crate::model::{CarriedVariable, Constant, Graph, Input, Kind, Loop, Node, Reference};
 use strahl_scene::plan::{Composite, Plan, Sampling, Shade};
 use strahl_shader::registry::mixing_rules;
 
@@ -15,17 +15,19 @@ use strahl_shader::registry::mixing_rules;
 /// # Errors
 /// Debug views have no graph.
 pub fn standard(plan: &Plan) -> Result<Graph, Error> {
-    let refused = |why: &str| Error::Graph {
+    let refused_at = |place: &str, why: &str| Error::Graph {
         file: "the standard graph".to_owned(),
-        problems: vec![Problem::new("composite", why)],
+        problems: vec![Problem::new(place, why)],
     };
+    let refused = |why: &str| refused_at("composite", why);
     if plan.sampling != Sampling::Regular {
         let rule = plan.sampling.name();
         return Err(Error::Sampling { rule });
     }
     if let Composite::Debug(_) = plan.technique().composite {
-        return Err(refused(
-            "debug views are no graph; choose another composite",
+        return Err(refused_at(
+            "debug",
+            "a graph cannot draw a debug view, which `debug` or quality \"null\" asks for; remove that key, or draw without a graph",
         ));
     }
     if plan.layers.len() > 1 && !plan.technique().composite.mixes_layers() {
@@ -36,7 +38,7 @@ pub fn standard(plan: &Plan) -> Result<Graph, Error> {
     }
     if plan.labelled().is_some() {
         return Err(refused(
-            "the segments of a label volume are no graph; draw them without one",
+            "a graph cannot draw the segments of a label volume; draw without a graph",
         ));
     }
     let mut graph = Builder {
@@ -82,8 +84,8 @@ fn numbers(numbers: &[f64]) -> Input {
     Input::Constant(Constant::Numbers(numbers.to_vec()))
 }
 
-fn carried(name: &str, ty: &str, start: Input, next: &str) -> Carried {
-    Carried {
+fn carried(name: &str, ty: &str, start: Input, next: &str) -> CarriedVariable {
+    CarriedVariable {
         name: name.to_owned(),
         ty: Some(ty.to_owned()),
         start: Some(start),

@@ -1,10 +1,10 @@
 //! Text ↔ graph: JSON with comments, in which nodes and everything else that has a name is a key.
 
-use crate::edit::{By, Edit, EditList};
+use crate::edit::{Edit, EditList, Replacement};
 use crate::error::{Error, Problem};
 use crate::model::{
-    Carried, Constant, Graph, GroupInput, Input, Interpolation, Kind, Loop, Node, Reference, Stage,
-    Texture,
+    CarriedVariable, Constant, Graph, GroupInput, Input, Interpolation, Kind, Loop, Node,
+    Reference, Stage, Texture,
 };
 use crate::slicing::SlicingText;
 use schemars::{JsonSchema, Schema, SchemaGenerator};
@@ -811,34 +811,34 @@ struct ReplaceText {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     stage: Option<String>,
     /// What comes in its place; for shade and composite its parts `color` and `opacity`.
-    by: ByText,
+    by: ReplacementText,
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 #[serde(untagged)]
 #[schemars(rename = "By")]
-enum ByText {
+enum ReplacementText {
     /// One output.
     One(String),
     /// Part by part.
     Parts(Map<InputText>),
 }
 
-impl<'de> Deserialize<'de> for ByText {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<ByText, D::Error> {
+impl<'de> Deserialize<'de> for ReplacementText {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<ReplacementText, D::Error> {
         struct Any;
         impl<'de> Visitor<'de> for Any {
-            type Value = ByText;
+            type Value = ReplacementText;
             fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
                 f.write_str(
                     "\"node.output\", or an object of parts such as { \"color\": \"node.output\" }",
                 )
             }
-            fn visit_str<E>(self, text: &str) -> Result<ByText, E> {
-                Ok(ByText::One(text.to_owned()))
+            fn visit_str<E>(self, text: &str) -> Result<ReplacementText, E> {
+                Ok(ReplacementText::One(text.to_owned()))
             }
-            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<ByText, A::Error> {
-                Ok(ByText::Parts(Map(keys_once(map)?)))
+            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<ReplacementText, A::Error> {
+                Ok(ReplacementText::Parts(Map(keys_once(map)?)))
             }
         }
         deserializer.deserialize_any(Any)
@@ -964,8 +964,8 @@ impl Reader<'_, '_> {
             },
             EditText::Replace(replace) => {
                 let by = match replace.by {
-                    ByText::One(text) => By::One(reference(&text)),
-                    ByText::Parts(parts) => By::Parts(
+                    ReplacementText::One(text) => Replacement::One(reference(&text)),
+                    ReplacementText::Parts(parts) => Replacement::Parts(
                         parts
                             .0
                             .into_iter()
@@ -977,7 +977,7 @@ impl Reader<'_, '_> {
                     (Some(node), None) => Edit::ReplaceNode { node, by },
                     (None, Some(stage)) => Edit::ReplaceStage { stage, by },
                     _ => {
-                        self.wrong(format!("{place}.replace"), "say either `node` or `stage`");
+                        self.wrong(format!("{place}.replace"), "set either `node` or `stage`");
                         return Ok(None);
                     }
                 }
@@ -1150,7 +1150,7 @@ impl Reader<'_, '_> {
                 None => {
                     self.wrong(
                         format!("{place}.texture"),
-                        "say one of `file`, `texels` with `size`, `pre_integrated`",
+                        "set one of `file`, `texels` with `size`, `pre_integrated`",
                     );
                     return Ok(None);
                 }
@@ -1185,7 +1185,7 @@ impl Reader<'_, '_> {
             if graph.slicing.is_some() {
                 self.wrong(
                     format!("{place}.graph.slicing"),
-                    "the outermost graph says how slices are blended; a graph in a graph has nodes and roots",
+                    "only the outermost graph sets how slices are blended; a nested graph has nodes and roots",
                 );
             }
             let graph = self.graph(*graph, &format!("{place}.graph"))?;
@@ -1218,7 +1218,7 @@ impl Reader<'_, '_> {
         let (what, kind) = match kinds.len() {
             1 => kinds.remove(0),
             0 => {
-                self.wrong(place, "say what it does: slot, function, pattern, wgsl, wgsl_file, anchor, uniform, texture, loop, if, graph or graph_file");
+                self.wrong(place, "set one of slot, function, pattern, wgsl, wgsl_file, anchor, uniform, texture, loop, if, graph or graph_file");
                 return Ok(None);
             }
             _ => {
@@ -1283,8 +1283,8 @@ impl Reader<'_, '_> {
     }
 }
 
-fn carried(name: String, text: CarryText) -> Carried {
-    Carried {
+fn carried(name: String, text: CarryText) -> CarriedVariable {
+    CarriedVariable {
         name,
         ty: text.ty,
         start: text.start.map(InputText::input),
@@ -1409,9 +1409,9 @@ fn edit_text(edit: &Edit) -> EditText {
             .map(|(to, from)| (to.clone(), InputText::of(from)))
             .collect())
     };
-    let by = |by: &By| match by {
-        By::One(reference) => ByText::One(reference.to_string()),
-        By::Parts(parts) => ByText::Parts(inputs(parts)),
+    let by = |by: &Replacement| match by {
+        Replacement::One(reference) => ReplacementText::One(reference.to_string()),
+        Replacement::Parts(parts) => ReplacementText::Parts(inputs(parts)),
     };
     match edit {
         Edit::Add(added) => EditText::Add(nodes(added)),
@@ -1452,7 +1452,7 @@ fn edit_text(edit: &Edit) -> EditText {
     }
 }
 
-fn carry_text(carried: &Carried) -> CarryText {
+fn carry_text(carried: &CarriedVariable) -> CarryText {
     CarryText {
         ty: carried.ty.clone(),
         start: carried.start.as_ref().map(InputText::of),

@@ -3,7 +3,7 @@
 use crate::frame::Object;
 use crate::tables::stacked;
 use strahl_scene::plan::Plan;
-use strahl_scene::visibility::{Contribution, ContributionOf};
+use strahl_scene::visibility::{Contribution, ContributionKey};
 use strahl_volume::bricks::Bricks;
 use strahl_volume::{Cancelled, ContentId, Control, Store};
 
@@ -19,7 +19,7 @@ pub fn occupancy(
     store: &Store,
     control: &Control,
 ) -> Result<Vec<u8>, Cancelled> {
-    let key = ContributionOf::new(plan, object, source, bricks);
+    let key = ContributionKey::new(plan, object, source, bricks);
     let make = || Contribution::of(plan, object, bricks, control);
     Ok(match &*store.find(&key, control, make)? {
         Contribution::Visible(visible) => visible.iter().map(|&is| u8::from(is)).collect(),

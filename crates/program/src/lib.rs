@@ -1,8 +1,8 @@
-//! From a Plan to the linked program that draws it, and to the data that the program reads.
+//! Makes the linked program that draws a Plan, and the data that the program reads.
 //!
-//! Whoever runs linked programs needs the same: which functions a Plan asks for, the bytes of the two
-//! uniform blocks, and the tables and bricks as one texture each. The GPU renderer copies them to a device;
-//! the evaluator reads them in place.
+//! Every renderer of linked programs needs the functions that a Plan selects, the bytes of two uniform
+//! blocks, and the tables and bricks as one texture each. The GPU renderer copies this data to a
+//! device. The evaluator reads it in place.
 //!
 //! ```
 //! use strahl_program::program;

@@ -157,7 +157,7 @@ impl Blend {
         {
             return Err((
                 "color",
-                "no slice would be seen: the source is multiplied by zero; `one` would keep premultiplied colours as they are",
+                "no slice would be seen: the source is multiplied by zero; `one` would keep premultiplied colors as they are",
             ));
         }
         Ok(())

@@ -12,28 +12,29 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use strahl_volume::{Grid, Modality, VolumeHeader};
 
-/// Where the picture is taken from: an orbit about the volume, or, with `position`, a free place.
+/// The camera: on an orbit around the volume, or, with `position`, free.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct Camera {
-    /// How rays spread; default `perspective`.
+    /// The projection; default `perspective`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub projection: Option<Projection>,
-    /// Orbit: the side that the volume is first seen from.
+    /// Orbit: the side from which the volume is seen at the start.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub view: Option<View>,
-    /// Orbit: turns the camera up from its start view, −89.9 to 89.9.
+    /// Orbit: raises the camera from its start view, −89.9 to 89.9.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub elevation_deg: Option<f64>,
-    /// Orbit: turns the raised camera about the up direction of the start view; to the right of the
-    /// picture is positive.
+    /// Orbit: turns the raised camera about the up direction of the start view; positive is to
+    /// the right of the picture.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub azimuth_deg: Option<f64>,
-    /// Free: the eye in RAS mm.
+    /// Free: position of the camera in RAS mm.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub position: Option<[f64; 3]>,
-    /// The point that the camera looks at (and orbits about) in RAS mm; default the volume's centre.
+    /// The point that the camera looks at (and orbits around) in RAS mm; default the center of
+    /// the volume.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub focus: Option<[f64; 3]>,
     /// Free: the direction that is up in the picture, RAS; default that of the start view.
@@ -45,13 +46,13 @@ pub struct Camera {
     /// Orthographic: height of the picture in mm before zoom; default the bounding sphere's.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub height_mm: Option<f64>,
-    /// Divides the view angle (or the height). 1: the bounding sphere just fits. Default of an orbit:
-    /// the volume's box just fits; of a free camera: 1.
+    /// Divides the view angle (or the height). With 1, the bounding sphere just fits. By
+    /// default, the bounding box just fits on an orbit, and a free camera has 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub zoom: Option<f64>,
 }
 
-/// How rays spread.
+/// The projection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case")]
@@ -62,8 +63,8 @@ pub enum Projection {
     Orthographic,
 }
 
-/// The side that an orbit starts from. In RAS, so that `front` means the face of a patient; the
-/// patient's left is then on the right of the picture.
+/// The side that an orbit starts from, in RAS: `front` is the face of a patient, with the
+/// patient's left on the right of the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case")]
@@ -76,7 +77,7 @@ pub enum View {
     Left,
     /// From the patient's right, head up.
     Right,
-    /// From above the head, front up: looking down −z with y up, VTK's start view.
+    /// From above the head, front up: looking along −z with y up, VTK's initial view.
     #[serde(alias = "down-z")]
     Top,
     /// From the feet, front up, as axial slices are shown.

@@ -8,7 +8,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use strahl_volume::{Grid, LabelVolume};
 
-/// Something that cuts a part of the picture away.
+/// Cuts away a part of the picture.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case")]
@@ -30,12 +30,12 @@ pub enum Clip {
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct PlaneClip {
-    /// Towards the side that is kept, RAS; any length above 0.
+    /// Direction to the side that is kept, RAS; any length above 0.
     pub normal: [f64; 3],
-    /// A point of the plane in RAS mm; default the centre of the volume.
+    /// A point of the plane in RAS mm; default the center of the volume.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub point: Option<[f64; 3]>,
-    /// Instead of a point: distance of the plane from the world's origin along the normal.
+    /// Instead of a point: distance of the plane from the world origin along the normal.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub distance_mm: Option<f64>,
     /// Names of the objects that are cut; default all. `volume` is the scene's own volume.
@@ -55,39 +55,40 @@ pub struct BoxClip {
     /// What the corners count in; default `world`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub space: Option<BoxSpace>,
-    /// Turns the box about its middle: about x, then y, then z; default no turn. World space only.
+    /// Turns the box about its center: about x, then y, then z; default 0. World space only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rotation_deg: Option<[f64; 3]>,
     /// What is kept; default `inside`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub keep: Option<Keep>,
+    pub keep: Option<KeptSide>,
     /// Names of the objects that are cut; default all. `volume` is the scene's own volume.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub objects: Option<Vec<String>>,
 }
 
-/// A volume whose values say what is inside.
+/// A volume whose values define the inside.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct MaskClip {
     /// File with the mask, on a grid of its own; relative to the folder of the scene file.
     pub path: String,
-    /// Inside is where the mask, linear between its voxels, is above this; default 0.5.
+    /// The inside is where the mask, interpolated linearly, is above this; default 0.5.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub threshold: Option<f64>,
-    /// Instead of a threshold: the file holds labels, and these are inside, by their ids or by their names in the file.
+    /// Instead of a threshold: the inside is made of these labels of the file, given by id or
+    /// by name.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub labels: Option<Vec<LabelName>>,
     /// What is kept; default `inside`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub keep: Option<Keep>,
+    pub keep: Option<KeptSide>,
     /// Names of the objects that are cut; default all. `volume` is the scene's own volume.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub objects: Option<Vec<String>>,
 }
 
-/// A label, as people write it.
+/// A label in a scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
@@ -95,9 +96,9 @@ pub struct MaskClip {
     expecting = "the id of a label, a whole number from 0, or its name"
 )]
 pub enum LabelName {
-    /// Its id: the number that its voxels have.
+    /// The id: the number of its voxels.
     Id(u32),
-    /// Its name in the file.
+    /// The name in the file.
     Name(String),
 }
 
@@ -108,24 +109,24 @@ pub enum LabelName {
 pub enum BoxSpace {
     /// RAS mm.
     World,
-    /// Voxel indices; voxel centres are whole numbers.
+    /// Voxel indices; voxel centers are whole numbers.
     Voxels,
-    /// Shares of the volume along its voxel axes: 0 is its first face, 1 its last.
+    /// Fractions of the volume along its voxel axes: 0 is its first face, 1 its last.
     Fraction,
 }
 
-/// What a shape keeps.
+/// Which side of a shape is kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case")]
-pub enum Keep {
-    /// What is in it.
+pub enum KeptSide {
+    /// The inside of the shape.
     Inside,
-    /// What is around it.
+    /// The outside of the shape.
     Outside,
 }
 
-/// [`Clip`] with everything said.
+/// [`Clip`] with every default filled in.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct SettledClip {
     pub shape: SettledShape,
@@ -146,7 +147,7 @@ pub(crate) enum SettledShape {
     Mask {
         path: String,
         inside: MaskInside,
-        keep: Keep,
+        keep: KeptSide,
     },
 }
 
@@ -164,7 +165,7 @@ pub(crate) struct SettledBox {
     pub max: [f64; 3],
     pub space: BoxSpace,
     pub rotation_deg: [f64; 3],
-    pub keep: Keep,
+    pub keep: KeptSide,
 }
 
 /// What of a file is the inside of a mask.
@@ -230,7 +231,7 @@ impl Clip {
                 let shape = SettledShape::Mask {
                     path: mask.path.clone(),
                     inside: mask.inside(path, checker),
-                    keep: mask.keep.unwrap_or(Keep::Inside),
+                    keep: mask.keep.unwrap_or(KeptSide::Inside),
                 };
                 (shape, &mask.objects)
             }
@@ -265,7 +266,7 @@ impl BoxClip {
             max: self.max,
             space: self.space.unwrap_or(BoxSpace::World),
             rotation_deg: self.rotation_deg.unwrap_or([0.0; 3]),
-            keep: self.keep.unwrap_or(Keep::Inside),
+            keep: self.keep.unwrap_or(KeptSide::Inside),
         }
     }
 }
@@ -342,7 +343,7 @@ impl SettledClip {
                 let layers = layers(&path, &self.objects, &places.names, checker);
                 let clip = plan_mask(file, inside.threshold(), &path, places, checker, clips);
                 clips.shapes.extend(clip.map(|clip| SampleClip {
-                    keep_inside: *keep == Keep::Inside,
+                    keep_inside: *keep == KeptSide::Inside,
                     layers,
                     ..clip
                 }));
@@ -357,7 +358,7 @@ impl SettledClip {
         let Some(unit_from_world) = clip.plan(&path, places.grid, checker) else {
             return;
         };
-        let keep_inside = clip.keep == Keep::Inside;
+        let keep_inside = clip.keep == KeptSide::Inside;
         if shape == ClipShape::Box && keep_inside {
             clips.planes.extend(faces(&unit_from_world, layers));
         } else {

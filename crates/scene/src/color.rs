@@ -25,7 +25,7 @@ impl Color {
     /// # Errors
     /// What is wrong with the text, in words.
     pub fn from_hex(text: &str) -> Result<Color, String> {
-        let wrong = || format!("{text:?} is not a colour; write \"#rrggbb\" or [red, green, blue]");
+        let wrong = || format!("{text:?} is not a color; write \"#rrggbb\" or [red, green, blue]");
         let digits = text.strip_prefix('#').ok_or_else(wrong)?;
         if !digits.bytes().all(|b| b.is_ascii_hexdigit()) {
             return Err(wrong());
@@ -92,7 +92,7 @@ impl<'de> de::Visitor<'de> for ColorVisitor {
     type Value = Color;
 
     fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str("a colour: \"#rrggbb\" or [red, green, blue] from 0 to 1")
+        f.write_str("a color: \"#rrggbb\" or [red, green, blue] from 0 to 1")
     }
 
     fn visit_str<E: de::Error>(self, text: &str) -> Result<Color, E> {
@@ -127,7 +127,7 @@ impl JsonSchema for Color {
 
     fn json_schema(_: &mut SchemaGenerator) -> Schema {
         json_schema!({
-            "description": "sRGB colour: \"#rrggbb\", \"#rgb\" or [red, green, blue] from 0 to 1",
+            "description": "sRGB color: \"#rrggbb\", \"#rgb\" or [red, green, blue] from 0 to 1",
             "anyOf": [
                 { "type": "string", "pattern": "^#([0-9a-fA-F]{3}|[0-9a-fA-F]{6})$" },
                 {
@@ -220,7 +220,7 @@ impl JsonSchema for Background {
     fn json_schema(generator: &mut SchemaGenerator) -> Schema {
         let color = generator.subschema_for::<Color>();
         json_schema!({
-            "description": "A colour, or \"transparent\"",
+            "description": "A color, or \"transparent\"",
             "anyOf": [{ "enum": ["transparent", "black", "white"] }, color]
         })
     }

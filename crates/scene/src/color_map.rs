@@ -5,7 +5,7 @@ use crate::Color;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// A built-in colour map: 0 to 1 → sRGB.
+/// A built-in color map: 0 to 1 → sRGB.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case")]
@@ -13,7 +13,7 @@ pub enum ColorMap {
     /// Black to white.
     #[serde(alias = "gray")]
     Grey,
-    /// White to black, as a film on a light box.
+    /// White to black, like film on a light box.
     #[serde(alias = "inverted-gray")]
     InvertedGrey,
     /// Dark violet, green, yellow; even in lightness.
@@ -24,15 +24,15 @@ pub enum ColorMap {
     Inferno,
     /// Blue, red, yellow; even in lightness.
     Plasma,
-    /// Blue to yellow; reads the same for most people with colour-blindness.
+    /// Blue to yellow; looks the same to most people with color blindness.
     Cividis,
     /// Rainbow with smooth lightness.
     Turbo,
-    /// Black, red, yellow, white, as glowing metal.
+    /// Black, red, yellow, white, like glowing metal.
     Hot,
     /// Black to white with a blue tint in the middle.
     Bone,
-    /// Blue, light grey, red: for values around a middle.
+    /// Blue, light gray, red: for values around a center.
     CoolWarm,
     /// Dark red flesh to ivory: tissue and bone.
     Tissue,
@@ -137,7 +137,7 @@ impl std::str::FromStr for ColorMap {
             .ok_or_else(|| {
                 let names: Vec<_> = ColorMap::ALL.iter().map(|map| map.name()).collect();
                 format!(
-                    "{name:?} is not a colour map; known are {}",
+                    "{name:?} is not a color map; known are {}",
                     names.join(", ")
                 )
             })

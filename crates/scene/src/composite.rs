@@ -11,7 +11,7 @@ use strahl_volume::VolumeHeader;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SettledComposite {
     pub method: Method,
-    /// Instead of the data, how the picture is made.
+    /// Draws a debug view instead of the data.
     pub debug: Option<DebugView>,
     /// The value of the surface of `first-hit`.
     pub threshold: f64,

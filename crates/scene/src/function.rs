@@ -21,10 +21,10 @@ use strahl_shader::{Module, Parameter, SLOTS};
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct FunctionUse {
-    /// The name of a function of the library (`strahl shader list`), or a `.wgsl` file relative to the
+    /// The name of a library function (`strahl shader list`), or a `.wgsl` file relative to the
     /// folder of the scene file.
     pub module: String,
-    /// Values of its parameters; those that are not said have their default.
+    /// Values of its parameters; missing ones have their default.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub params: BTreeMap<String, ParameterValue>,
 }
@@ -264,7 +264,7 @@ fn settle(
         }
         _ => None,
     };
-    settled.ok_or_else(|| "what the scene's own keys say: clips, lights".to_owned())
+    settled.ok_or_else(|| "a slot that the scene's own keys set: clips, lights".to_owned())
 }
 
 #[cfg(test)]

@@ -1,5 +1,9 @@
-//! What is to be drawn: a [`Scene`] as people write it, [`resolve`]d against the header of a volume
-//! into a [`plan::Plan`] without any option left, and the [`Image`] that renderers make of it.
+//! Scenes, Plans and images.
+//!
+//! A [`Scene`] describes a picture, as a user writes it: most keys are missing. [`resolve`] combines it
+//! with the headers of its volumes, fills in every default, checks every value, and returns a
+//! [`plan::Plan`] or all problems at once. A renderer draws the Plan and returns an [`Image`]. This
+//! crate reads no voxels and starts no threads.
 //!
 //! ```
 //! use strahl_scene::{Method, Scene, resolve};
@@ -57,7 +61,7 @@ mod window;
 mod words;
 
 pub use camera::{Camera, Projection, View};
-pub use clip::{BoxClip, BoxSpace, Clip, Keep, LabelName, MaskClip, PlaneClip};
+pub use clip::{BoxClip, BoxSpace, Clip, KeptSide, LabelName, MaskClip, PlaneClip};
 pub use color::{Background, Color, linear_from_srgb};
 pub use color_map::ColorMap;
 pub use function::{FunctionUse, ParameterValue};

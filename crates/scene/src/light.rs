@@ -16,24 +16,26 @@ pub struct Light {
     /// What kind of light.
     #[serde(rename = "type")]
     pub kind: LightKind,
-    /// What `azimuth_deg` and `elevation_deg` of a directional light count from; default `camera`.
+    /// What `azimuth_deg` and `elevation_deg` of a directional light are relative to; default
+    /// `camera`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub space: Option<LightSpace>,
-    /// Towards the light: in camera space 0 is from the eye and 90 from the right of the picture; in
-    /// world space 0 is from the front (anterior) and 90 from the patient's left.
+    /// Direction to the light. In camera space, 0 is at the camera and 90 is to the right of
+    /// the picture. In world space, 0 is to the front (anterior) and 90 is to the patient's
+    /// left.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub azimuth_deg: Option<f64>,
-    /// Towards the light, above the horizontal plane of the picture (camera) or of the patient
-    /// (world), −90 to 90.
+    /// Elevation of the light above the horizontal plane of the picture (camera space) or of
+    /// the patient (world space), −90 to 90.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub elevation_deg: Option<f64>,
-    /// Where a point light is, RAS mm.
+    /// Position of a point light, RAS mm.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub position: Option<[f64; 3]>,
-    /// The distance at which a point light is as strong as `intensity` says; default 500.
+    /// The distance at which a point light has its `intensity`; default 500.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reach_mm: Option<f64>,
-    /// Its colour; default white.
+    /// Its color; default white.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub color: Option<Color>,
     /// Its strength, 0 to 1,000; default 1.
@@ -48,13 +50,13 @@ pub struct Light {
 pub enum LightKind {
     /// Parallel light from one direction.
     Directional,
-    /// A lamp at a place; its light falls with the square of the distance.
+    /// A lamp at a position; its light decreases with the square of the distance.
     Point,
-    /// From the eye along each ray.
+    /// Light from the camera along each ray.
     Head,
 }
 
-/// What the angles of a light count from.
+/// What the angles of a light are relative to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case")]

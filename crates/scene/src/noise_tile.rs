@@ -38,7 +38,7 @@ impl NoiseTile {
         control: &Control,
     ) -> Result<Option<Arc<NoiseTile>>, Cancelled> {
         let make = |tile: &dyn Fn() -> Result<NoiseTile, Cancelled>| {
-            store.find(&NoiseTileOf(jitter), control, tile).map(Some)
+            store.find(&NoiseTileKey(jitter), control, tile).map(Some)
         };
         match jitter {
             Jitter::Centre | Jitter::Hash(_) | Jitter::SineHash => Ok(None),
@@ -74,9 +74,9 @@ impl NoiseTile {
 
 /// Key of the tile that a jitter reads.
 #[derive(Clone, PartialEq)]
-struct NoiseTileOf(Jitter);
+struct NoiseTileKey(Jitter);
 
-impl Key for NoiseTileOf {
+impl Key for NoiseTileKey {
     type Value = NoiseTile;
 
     const NAME: &str = "noise tiles";

@@ -8,61 +8,64 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// A volume, a mesh, or a group (none of the two) in the scene.
+/// A volume, a mesh, or a group (an object without data) in the scene.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct SceneObject {
-    /// What clips and other objects call it. The scene's own volume is called `volume`.
+    /// Name for clips and other objects. The scene's own volume is called `volume`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
-    /// The name of an object whose transforms move this one too.
+    /// Name of an object whose transforms also move this one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub parent: Option<String>,
-    /// Moves, turns or scales it; default: where its file says.
+    /// Moves, turns or scales the object; default: the place in its file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub transform: Option<Placement>,
     /// A volume.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub volume: Option<VolumeSource>,
-    /// Instead: the name of an object whose volume this one shows again.
+    /// Instead of `volume`: the name of an object whose data this one shows again.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub like: Option<String>,
-    /// Instead: a file of triangles (STL, OBJ, PLY), relative to the folder of the scene file.
+    /// Instead of `volume`: a file of triangles (STL, OBJ, PLY), relative to the folder of the
+    /// scene file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mesh: Option<String>,
-    /// Colour of a mesh; default a light grey.
+    /// Color of a mesh; default a light gray.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub color: Option<Color>,
-    /// Name of the preset that gives a volume's transfer function; default chosen from the volume.
+    /// Name of the preset that provides a volume's transfer function; default chosen from the
+    /// volume.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub preset: Option<String>,
-    /// Value → colour and opacity of a volume.
+    /// Maps the values of a volume to color and opacity.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub transfer_function: Option<TransferFunction>,
-    /// How samples of a volume are lit; default as the scene says.
+    /// How samples of a volume are lit; default as in the scene.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub shading: Option<Shading>,
-    /// Functions of the library for the slots `classify` and `gradient_input` of a volume; default as the scene says.
+    /// Library functions for the slots `classify` and `gradient_input` of a volume; default as
+    /// in the scene.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub functions: Option<BTreeMap<String, FunctionUse>>,
 }
 
-/// Where something is put: first scaled, then turned, both about `about`, then moved.
+/// A transform: first scales, then turns, both about `about`, then moves.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct Placement {
-    /// By how much along x, y, z (RAS mm); default 0.
+    /// Translation along x, y, z (RAS mm); default 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub translate_mm: Option<[f64; 3]>,
-    /// About x, then y, then z; default no turn.
+    /// Rotation about x, then y, then z; default 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rotate_deg: Option<[f64; 3]>,
-    /// Along x, y, z, above 0; default 1.
+    /// Scale factors along x, y, z, above 0; default 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub scale: Option<[f64; 3]>,
-    /// The place that scaling and turning leave alone; default the origin.
+    /// The fixed point of scaling and rotation; default the origin.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub about: Option<[f64; 3]>,
 }
@@ -240,7 +243,7 @@ pub(crate) fn check(objects: &[SceneObject], checker: &mut Checker) {
                         "given for a volume"
                     },
                     if key == "color" {
-                        "nothing: meshes have a colour"
+                        "nothing: meshes have a color"
                     } else {
                         "nothing: volumes have one"
                     },

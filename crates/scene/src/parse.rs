@@ -6,7 +6,7 @@ use serde::de::{Deserialize, Deserializer, Visitor};
 use serde::forward_to_deserialize_any;
 use serde_json::error::Category;
 
-/// No scene is longer; a text that is was not meant as one.
+/// The longest scene that is accepted.
 pub const MOST_SCENE_BYTES: usize = 16 << 20;
 
 /// Why a text is not a scene.
@@ -96,13 +96,13 @@ impl Scene {
         let mut json = serde_json::Deserializer::from_str(&plain);
         let mut scene: Scene = serde_path_to_error::deserialize(&mut json).map_err(|error| {
             let path = error.path().to_string();
-            located(file.clone(), path, error.into_inner())
+            located(&file, &plain, path, error.into_inner())
         })?;
         json.end()
-            .map_err(|error| located(file.clone(), ".".to_owned(), error))?;
+            .map_err(|error| located(&file, &plain, ".".to_owned(), error))?;
         // serde also takes an object's values as a list; nobody could read such a scene.
         let as_written: serde_json::Value = serde_json::from_str(&plain)
-            .map_err(|error| located(file.clone(), ".".to_owned(), error))?;
+            .map_err(|error| located(&file, &plain, ".".to_owned(), error))?;
         let as_understood = serde_json::to_value(&scene).unwrap_or_default();
         match list_for_object(&as_written, &as_understood, "scene") {
             Some(path) => Err(Error::List { file, path }),
@@ -127,7 +127,7 @@ impl Scene {
 
 /// The keys of a scene, in its order.
 pub(crate) fn keys() -> &'static [&'static str] {
-    /// Has itself told the fields of a struct, and gives nothing.
+    /// Records the fields of a struct, and deserializes nothing.
     struct Fields<'k>(&'k mut &'static [&'static str]);
     impl<'de> Deserializer<'de> for Fields<'_> {
         type Error = serde::de::value::Error;
@@ -211,13 +211,16 @@ fn list_for_object(
     }
 }
 
-fn located(file: String, path: String, error: serde_json::Error) -> Error {
+/// `error` as one of ours. `plain` is the text in which it was found.
+fn located(file: &str, plain: &str, path: String, error: serde_json::Error) -> Error {
+    let file = file.to_owned();
     let (line, column) = (error.line(), error.column());
     let suffix = format!(" at line {line} column {column}");
     let text = error.to_string();
     let column = column.max(1);
     let why = text.strip_suffix(&suffix).unwrap_or(&text).to_owned();
-    if error.classify() != Category::Data {
+    let not_finite = not_finite_at(plain, line, column);
+    if error.classify() != Category::Data && not_finite.is_none() {
         return Error::Syntax {
             file,
             line,
@@ -225,6 +228,10 @@ fn located(file: String, path: String, error: serde_json::Error) -> Error {
             why,
         };
     }
+    let why = match not_finite {
+        Some(word) => format!("{word} is not allowed; write a finite number"),
+        None => why,
+    };
     let unknown = why.starts_with("unknown field") || why.starts_with("unknown variant");
     let (path, why) = if unknown {
         let (path, why) = unknown_name(&path, &why);
@@ -243,6 +250,22 @@ fn located(file: String, path: String, error: serde_json::Error) -> Error {
         },
         why,
     }
+}
+
+/// The word at a place, if it is one that other programs write for a number that is not finite. JSON
+/// has none. `line` and `column` (in bytes) count from 1.
+fn not_finite_at(plain: &str, line: usize, column: usize) -> Option<&'static str> {
+    let line = plain.lines().nth(line.checked_sub(1)?)?;
+    let is_word = |byte: &u8| byte.is_ascii_alphanumeric() || b"+-.".contains(byte);
+    let place = column.saturating_sub(1).min(line.len());
+    let (before, after) = line.as_bytes().split_at(place);
+    let start = place - before.iter().rev().take_while(|byte| is_word(byte)).count();
+    let end = place + after.iter().take_while(|byte| is_word(byte)).count();
+    let word = line.get(start..end)?.trim_start_matches(['+', '-']);
+    let known = ["NaN", "Infinity", "inf"];
+    known
+        .into_iter()
+        .find(|known| known.eq_ignore_ascii_case(word))
 }
 
 /// "unknown field `x`, expected one of `a`, `b`" in our words, with the nearest known name.
@@ -271,7 +294,7 @@ fn unknown_name(path: &str, why: &str) -> (String, String) {
     (path, sentence)
 }
 
-/// serde's names of Rust types in words that a person who writes scenes knows.
+/// Replaces serde's names of Rust types by words that authors of scenes know.
 fn plain_types(why: &str) -> String {
     let mut text = why.to_owned();
     for (rust, plain) in [

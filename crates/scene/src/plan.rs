@@ -94,7 +94,7 @@ pub struct Field {
     pub rescale: Rescale,
     /// What a voxel holds.
     pub fetch: Fetch,
-    /// How a value between voxels is found.
+    /// Interpolation between voxels.
     pub reconstruct: Reconstruct,
     /// How the gradient is found.
     pub gradient: GradientMethod,
@@ -103,11 +103,11 @@ pub struct Field {
 /// How values are drawn, whatever they are values of.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Technique {
-    /// Value → colour and opacity.
+    /// Maps values to color and opacity.
     pub classify: Classify,
     /// Its transfer function.
     pub table: TransferTable,
-    /// What the gradient is taken of.
+    /// The input of the gradient.
     pub gradient_input: GradientInput,
     /// How a sample's colour follows from its surface colour, gradient and the lights.
     pub shade: Shade,
@@ -436,7 +436,7 @@ pub struct PlanCamera {
     pub up: DVec3,
     /// Into the picture.
     pub forward: DVec3,
-    /// How rays spread.
+    /// The projection.
     pub projection: Projection,
 }
 
@@ -520,7 +520,7 @@ impl PlanCamera {
 pub struct Lattice {
     /// Distance between samples in mm, > 0.
     pub step_mm: f64,
-    /// Where in its step a sample lies.
+    /// Position of the samples within their steps.
     pub jitter: Jitter,
     /// The picture is the mean of this many, each with its own jitter; 1 to [`MOST_FRAMES`].
     pub frames: u32,

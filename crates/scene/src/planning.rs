@@ -7,7 +7,7 @@ use crate::plan::{
     MOST_FRAMES, MOST_LAYERS, Plan, PlanCamera, PlanLight, PlanMesh, Shade, Technique,
 };
 use crate::problem::Checker;
-use crate::settled::{FORMAT, Settled, SettledVolume};
+use crate::settled::{FORMAT, SettledScene, SettledVolume};
 use crate::transfer::TransferTable;
 use crate::window::value_range;
 use crate::{
@@ -20,11 +20,11 @@ use strahl_volume::VolumeHeader;
 /// The plan that draws `scene` without its segments, unless something is too wrong.
 pub(crate) fn plan_of(scene: &Scene, headers: &Headers, checker: &mut Checker) -> Option<Plan> {
     check_given(scene, checker);
-    let settled = Settled::new(scene, headers, checker);
+    let settled = SettledScene::new(scene, headers, checker);
     plan(&settled, headers, checker)
 }
 
-fn plan(settled: &Settled, headers: &Headers, checker: &mut Checker) -> Option<Plan> {
+fn plan(settled: &SettledScene, headers: &Headers, checker: &mut Checker) -> Option<Plan> {
     let size = settled.size;
     for (axis, pixels) in size.into_iter().enumerate() {
         if !(1..=MOST_EDGE_PIXELS).contains(&pixels) {
@@ -159,7 +159,7 @@ fn check_together(plan: &Plan, checker: &mut Checker) {
     sampling::check_together(plan, checker);
 }
 
-fn plan_lattice(settled: &Settled, checker: &mut Checker) -> Lattice {
+fn plan_lattice(settled: &SettledScene, checker: &mut Checker) -> Lattice {
     let spacings = settled.volumes.iter();
     let spacing_mm = spacings
         .map(|volume| volume.place.grid.min_spacing_mm())
@@ -178,7 +178,7 @@ fn plan_lattice(settled: &Settled, checker: &mut Checker) -> Lattice {
 }
 
 /// What a volume that is drawn is as a field.
-fn plan_field(settled: &Settled, volume: &SettledVolume, headers: &Headers) -> Field {
+fn plan_field(settled: &SettledScene, volume: &SettledVolume, headers: &Headers) -> Field {
     let place = &volume.place;
     let stored = &headers.volumes[place.volume];
     Field {
@@ -193,7 +193,7 @@ fn plan_field(settled: &Settled, volume: &SettledVolume, headers: &Headers) -> F
 }
 
 /// How the volumes are shaded whose objects say so.
-fn plan_shades(settled: &Settled, checker: &mut Checker) -> Vec<Option<Shade>> {
+fn plan_shades(settled: &SettledScene, checker: &mut Checker) -> Vec<Option<Shade>> {
     let mut shade = |volume: &SettledVolume| {
         let path = format!("objects[{}].shading", volume.place.object?);
         let shading = volume.shading.as_ref()?;
@@ -203,7 +203,7 @@ fn plan_shades(settled: &Settled, checker: &mut Checker) -> Vec<Option<Shade>> {
 }
 
 pub(crate) fn plan_lights(
-    settled: &Settled,
+    settled: &SettledScene,
     is_lit: bool,
     camera: Option<&PlanCamera>,
     compositing: PlanCompositing,
@@ -228,7 +228,7 @@ pub(crate) fn plan_lights(
         .collect()
 }
 
-fn plan_clips(settled: &Settled, headers: &Headers, checker: &mut Checker) -> PlanClips {
+fn plan_clips(settled: &SettledScene, headers: &Headers, checker: &mut Checker) -> PlanClips {
     let mut clips = PlanClips::default();
     let volumes = settled.volumes.iter();
     let places = ClipPlaces {
@@ -244,7 +244,7 @@ fn plan_clips(settled: &Settled, headers: &Headers, checker: &mut Checker) -> Pl
 
 /// The tables of the volumes that are drawn, in their order.
 fn plan_tables(
-    settled: &Settled,
+    settled: &SettledScene,
     headers: &Headers,
     compositing: PlanCompositing,
     checker: &mut Checker,
@@ -279,7 +279,7 @@ fn plan_tables(
 }
 
 fn plan_meshes(
-    settled: &Settled,
+    settled: &SettledScene,
     headers: &Headers,
     compositing: PlanCompositing,
     checker: &mut Checker,

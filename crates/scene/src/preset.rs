@@ -27,7 +27,7 @@ macro_rules! preset {
 static PRESETS: [PresetInfo; 13] = [
     preset!(
         "ct-bone",
-        "CT: bone and contrast medium, soft tissue left away"
+        "CT: bone and contrast agent, without soft tissue"
     ),
     preset!(
         "ct-soft-tissue",
@@ -35,21 +35,18 @@ static PRESETS: [PresetInfo; 13] = [
     ),
     preset!(
         "ct-angio",
-        "CT with contrast medium: vessels red, bone ivory"
+        "CT with contrast agent: red vessels, ivory bone"
     ),
     preset!("ct-lung", "CT: lungs and airways"),
     preset!("mr", "MR: tissue solid from the noise upwards"),
-    preset!(
-        "vessels",
-        "angiography without bone: bright vessels on nothing"
-    ),
+    preset!("vessels", "angiography without bone: bright vessels"),
     preset!(
         "solid",
-        "any volume: translucent low values around solid high ones"
+        "any volume: solid high values, translucent low values"
     ),
     preset!(
         "grey",
-        "any volume: grey, from transparent to opaque over the window"
+        "any volume: gray, transparent to opaque over the window"
     ),
     preset!(
         "ghost",
@@ -66,7 +63,7 @@ static PRESETS: [PresetInfo; 13] = [
     ),
     preset!(
         "x-ray",
-        "any volume: mean value of each ray, as on an X-ray film"
+        "any volume: mean value of each ray, like an X-ray film"
     ),
 ];
 

@@ -1,15 +1,15 @@
-//! What is wrong with a scene: all of it at once.
+//! The problems of a scene, reported all at once.
 
 use std::fmt;
 
-/// One thing that is wrong with a scene.
+/// One problem of a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Problem {
     /// Where: the path of the key, such as `camera.view_angle_deg` or `clips[1].plane.normal`.
     pub path: String,
-    /// What stands there.
+    /// The value found there.
     pub value: String,
-    /// What would be right.
+    /// What is allowed.
     pub allowed: String,
 }
 
@@ -38,7 +38,7 @@ impl fmt::Display for Problem {
     }
 }
 
-/// Everything that is wrong with a scene; never empty.
+/// All problems of a scene; never empty.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Problems(Vec<Problem>);
 

@@ -6,24 +6,24 @@ use crate::problem::{Checker, Within};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Which points of a ray are looked at. Everything but `regular` is for method `emission-absorption` and one volume;
-/// `refine` is for `mip` and `minip`, too.
+/// Where along a ray samples are taken. All rules except `regular` need the method
+/// `emission-absorption` and a single volume; `refine` also works with `mip` and `minip`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct Sampling {
-    /// The rule; default `regular`, or `adaptive` where `error` is given.
+    /// The rule; default `regular`, or `adaptive` if `error` is set.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rule: Option<SamplingRule>,
     /// `refine`, `split` and `split-cubic`: parts of a step, 1 to 64; default 8 for `refine`, else 10.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub parts: Option<u32>,
-    /// `adaptive`: by how much a channel of a pixel (0 to 1, linear light) may differ from the regular picture, 0 to
-    /// 0.5; default 0.01.
+    /// `adaptive`: the largest difference from the regular picture in any channel (0 to 1,
+    /// linear light), 0 to 0.5; default 0.01.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error: Option<f64>,
-    /// `by-opacity`: how much of a pixel (0 to 1) a sample may make up that stands for two or four lattice points, 0 to 1;
-    /// default 0.2.
+    /// `by-opacity`: the largest contribution to a pixel, 0 to 1, of a sample that stands for
+    /// two or four lattice points; default 0.2.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub share: Option<f64>,
 }
@@ -35,18 +35,20 @@ pub struct Sampling {
 pub enum SamplingRule {
     /// One sample at every lattice point.
     Regular,
-    /// Between lattice points whose values the transfer function shows something between: more samples. With `mip` and
-    /// `minip`: around the largest or smallest value of each ray.
+    /// Subdivides a step if the transfer function shows something between the values at its
+    /// ends. With `mip` and `minip`: searches around the largest or smallest value of each ray.
     Refine,
-    /// Between such points: values on the line between both, without looking at the volume again.
+    /// Subdivides the same steps, with values interpolated linearly instead of read from the
+    /// volume.
     Split,
-    /// Between such points: values on a cubic through four lattice points.
+    /// Subdivides the same steps, with values on a cubic through four lattice points.
     SplitCubic,
-    /// Between such points: the integral of the transfer function over the values on the line between both.
+    /// Integrates the transfer function between the values at the ends of each step
+    /// (pre-integration).
     Integrated,
     /// Fewer samples where the transfer function hardly changes.
     Adaptive,
-    /// Fewer samples where they can make up only a small share of the pixel.
+    /// Fewer samples where they contribute little to the pixel.
     ByOpacity,
 }
 

@@ -12,8 +12,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// What is to be drawn. Keys that are left out take the value of the preset, then the default that
-/// `docs/scene.md` names.
+/// A description of a picture. A missing key takes the value of the preset, and otherwise the
+/// default in `docs/scene.md`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default, deny_unknown_fields)]
@@ -25,10 +25,10 @@ pub struct Scene {
     /// The volume that is drawn.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub volume: Option<VolumeSource>,
-    /// Moves, turns or scales the volume; default: where its file says.
+    /// Moves, turns or scales the volume; default: the place in its file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub transform: Option<Placement>,
-    /// What is drawn beside the volume: further volumes, meshes, groups.
+    /// Further volumes, meshes and groups to draw.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub objects: Option<Vec<SceneObject>>,
     /// Object ids, on the grid of the volume or another one: each segment is drawn as `segments` says.
@@ -46,10 +46,11 @@ pub struct Scene {
     /// Name of the preset that fills in what is not said; without, it is chosen from the volume.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub preset: Option<String>,
-    /// Reconstruction, gradient and light from the cheapest to the best; keys that are said count more.
+    /// Reconstruction, gradient and shading, from the cheapest to the best; keys set explicitly
+    /// take precedence.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub quality: Option<Quality>,
-    /// How the samples of a ray become a pixel.
+    /// The composite rule: how the samples of a ray become a pixel.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub method: Option<Method>,
     /// The value of the surface that method `first-hit` draws.
@@ -58,63 +59,67 @@ pub struct Scene {
     /// Method `mida`: −1 is emission–absorption, 0 the method itself (default).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub blend: Option<f64>,
-    /// Instead of the data, how the picture is made.
+    /// Draws a debug view instead of the data.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub debug: Option<DebugView>,
-    /// What is black and what is white in method `gmip` (per mm) and in the debug views
-    /// `gradient-magnitude` (per mm), `sample-count` and `depth` (mm); default chosen from the data.
+    /// The numbers that are black and white in method `gmip` (per mm) and in the debug views
+    /// `gradient-magnitude` (per mm), `sample-count` and `depth` (mm); default chosen from the
+    /// data.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub grey_range: Option<[f64; 2]>,
-    /// Value → colour and opacity.
+    /// Maps values to color and opacity.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub transfer_function: Option<TransferFunction>,
-    /// How light and surface make a colour.
+    /// How surfaces reflect light.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub shading: Option<Shading>,
-    /// The lights; an empty list leaves the ambient share only.
+    /// The lights; with an empty list only the ambient term remains.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lights: Option<Vec<Light>>,
-    /// Where the picture is taken from.
+    /// The camera.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub camera: Option<Camera>,
     /// Planes, boxes, ellipsoids, cylinders and masks that cut parts away.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub clips: Option<Vec<Clip>>,
-    /// How a value between voxels is found.
+    /// Interpolation between voxels.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reconstruct: Option<Reconstruct>,
-    /// How gradients are found, which are the normals of shading.
+    /// How gradients are computed. Shading uses them as normals.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gradient: Option<Gradient>,
     /// Distance between samples in mm.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub step_mm: Option<f64>,
-    /// Distance between samples in smallest voxel spacings; default 0.5.
+    /// Distance between samples in units of the smallest voxel spacing; default 0.5.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub step_voxels: Option<f64>,
-    /// Which points of a ray are looked at.
+    /// Where along a ray samples are taken.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sampling: Option<Sampling>,
-    /// Where in its step a sample lies.
+    /// Position of the samples within their steps.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub jitter: Option<Jitter>,
-    /// The picture is the mean of this many, each with its own jitter, 1 to 65,536; default 1.
+    /// The picture is the mean of this many frames, each with its own jitter, 1 to 65,536;
+    /// default 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub frames: Option<u32>,
-    /// Shader functions by slot, such as `classify`: of the library by name, or your own as a `.wgsl` file.
+    /// Shader functions by slot, such as `classify`: the name of a library function, or a
+    /// `.wgsl` file of your own.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub functions: Option<BTreeMap<String, FunctionUse>>,
-    /// Rays programmed by a graph: a graph of your own, or edits of the one that the settings make. Its keys are
-    /// those of `docs/graph.schema.json`.
+    /// A render graph, or edits of the standard graph. Its keys are in
+    /// `docs/graph.schema.json`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub graph: Option<GraphText>,
-    /// A ray ends when less than this share of light still passes (0 to 1; 0 never); default 1/256.
+    /// A ray ends when its transmittance falls below this (0 to 1; 0 means never); default
+    /// 1/256.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub early_termination: Option<f64>,
-    /// The numbers in which colours are added up; default `linear`.
+    /// The color encoding for compositing; default `linear`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub compositing: Option<Compositing>,
-    /// Behind everything.
+    /// The color behind everything.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub background: Option<Background>,
     /// Width and height of the picture in pixels, 1 to 65,535 each.
@@ -130,9 +135,9 @@ pub struct Scene {
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Quality {
-    /// No march: where rays enter, as colour.
+    /// The entry points of the rays as colors; nothing is sampled.
     Null,
-    /// Nearest voxel, the value as grey, no light.
+    /// Nearest voxel, the value as gray, no light.
     Minimum,
     /// Trilinear, transfer function, central differences, Blinn–Phong: the defaults.
     Medium,
@@ -140,38 +145,38 @@ pub enum Quality {
     Maximum,
 }
 
-/// The numbers in which colours are added up.
+/// The color encoding for compositing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Compositing {
     /// Linear light.
     Linear,
-    /// Numbers of the screen (sRGB), as many programs do; for pictures that have to match theirs.
+    /// sRGB-encoded numbers, as in many other programs; for pictures that have to match theirs.
     Display,
 }
 
-/// How gradients are found.
+/// How gradients are computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct Gradient {
-    /// The estimate; default `central`.
+    /// The method; default `central`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub method: Option<GradientMethod>,
-    /// Of what; default `value`.
+    /// The input of the gradient; default `value`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub of: Option<GradientInput>,
 }
 
-/// Where in its step a sample lies.
+/// Position of the samples within their steps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Jitter {
     /// In the middle, for every ray.
     Off,
-    /// At a place that differs from ray to ray, the same for the same seed.
+    /// A position that differs from ray to ray, the same for the same seed.
     Seed(u32),
     /// A trigonometric hash of column and row.
     SineHash,
@@ -186,16 +191,16 @@ pub enum Jitter {
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct Display {
-    /// Light is multiplied by this first, 1e-6 to 1e6.
+    /// Factor for the light before tone mapping, 1e-6 to 1e6.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub exposure: Option<f64>,
-    /// How light above white is brought down.
+    /// The tone map: how light above white is compressed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tone_map: Option<ToneMap>,
-    /// The light that `reinhard-extended` and `hable` make white, 0.001 to 1e6.
+    /// The light that becomes white with `reinhard-extended` and `hable`, 0.001 to 1e6.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub white_point: Option<f64>,
-    /// Encodes colours by the power 1/gamma, 0.1 to 10, instead of the curve of sRGB.
+    /// Encodes colors with the power 1/gamma, 0.1 to 10, instead of the sRGB curve.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gamma: Option<f64>,
     /// Smooths jagged edges of the finished picture (FXAA).
@@ -203,7 +208,7 @@ pub struct Display {
     pub fxaa: Option<bool>,
 }
 
-/// How light above white is brought down.
+/// The tone map: how light above white is compressed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case")]

@@ -6,7 +6,7 @@ use crate::plan::{
 };
 use crate::planning::{place_depths, plan_lights, plan_of};
 use crate::problem::Checker;
-use crate::settled::Settled;
+use crate::settled::SettledScene;
 use crate::{
     Headers, LabelHeader, Method, PresetInfo, Scene, SegmentComposite, SegmentTechnique,
     SegmentUse, Shading, ShadingModel, segments, technique,
@@ -107,7 +107,7 @@ fn default_lights(scene: &Scene, headers: &Headers, plan: &Plan) -> Vec<PlanLigh
         ..scene.clone()
     };
     let mut unheard = Checker::default();
-    let settled = Settled::new(&lit, headers, &mut unheard);
+    let settled = SettledScene::new(&lit, headers, &mut unheard);
     plan_lights(
         &settled,
         true,

@@ -154,7 +154,7 @@ fn matches(pattern: &str, text: &str) -> bool {
 
 /// What a list of uses comes to for one segment.
 #[derive(Clone, Debug, PartialEq)]
-struct Settled<'u> {
+struct SettledScene<'u> {
     technique: &'u str,
     show: bool,
     color: Option<Color>,
@@ -162,9 +162,9 @@ struct Settled<'u> {
     importance: f64,
 }
 
-impl<'u> Settled<'u> {
-    fn of(uses: &'u [SegmentUse], id: u32, name: Option<&str>) -> Settled<'u> {
-        let mut settled = Settled {
+impl<'u> SettledScene<'u> {
+    fn of(uses: &'u [SegmentUse], id: u32, name: Option<&str>) -> SettledScene<'u> {
+        let mut settled = SettledScene {
             technique: SOLID,
             show: id != 0,
             color: None,
@@ -189,7 +189,7 @@ impl<'u> Settled<'u> {
 pub(crate) fn techniques_of(uses: &[SegmentUse], labels: &LabelHeader) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for (id, label) in labels.segments() {
-        let settled = Settled::of(uses, id, label.map(|label| &*label.name));
+        let settled = SettledScene::of(uses, id, label.map(|label| &*label.name));
         if settled.show && !names.iter().any(|name| name == settled.technique) {
             names.push(settled.technique.to_owned());
         }
@@ -243,7 +243,7 @@ pub(crate) fn plan(
     number: impl Fn(&str) -> Option<(usize, bool)>,
 ) -> Labelled {
     let look = |id: u32, label: Option<&Label>| {
-        let settled = Settled::of(uses, id, label.map(|label| &*label.name));
+        let settled = SettledScene::of(uses, id, label.map(|label| &*label.name));
         let Some((technique, is_colored)) = number(settled.technique).filter(|_| settled.show)
         else {
             return SegmentLook::HIDDEN;
@@ -314,7 +314,7 @@ pub fn segment_notes(uses: &[SegmentUse], labels: &LabelHeader) -> Vec<String> {
 
 fn shown(uses: &[SegmentUse], labels: &LabelHeader) -> usize {
     let is_shown = |(id, label): &(u32, Option<&Label>)| {
-        Settled::of(uses, *id, label.map(|label| &*label.name)).show
+        SettledScene::of(uses, *id, label.map(|label| &*label.name)).show
     };
     labels.segments().filter(is_shown).count()
 }
@@ -348,7 +348,7 @@ mod tests {
             r#"[{ "of": "*", "opacity": 0.2 }, { "of": ["L*", 9], "technique": "scene" }, { "of": 9, "show": false }]"#,
         )
         .unwrap();
-        let of = |id, name| Settled::of(&uses, id, name);
+        let of = |id, name| SettledScene::of(&uses, id, name);
         let liver = of(5, Some("liver"));
         assert_eq!(
             (liver.technique, liver.show, liver.opacity),
@@ -363,8 +363,8 @@ mod tests {
             opacity: None,
             importance: None,
         }];
-        assert!(Settled::of(&named, 0, None).show);
+        assert!(SettledScene::of(&named, 0, None).show);
         // Without any use all but the background are shown.
-        assert!(Settled::of(&[], 1, None).show && !Settled::of(&[], 0, None).show);
+        assert!(SettledScene::of(&[], 1, None).show && !SettledScene::of(&[], 0, None).show);
     }
 }

@@ -41,11 +41,11 @@ pub fn settled(scene: &Scene, header: &VolumeHeader) -> Scene {
 /// # Panics
 /// If there is no header of a volume.
 pub fn settled_with(scene: &Scene, headers: &Headers) -> Scene {
-    Settled::new(scene, headers, &mut Checker::default()).scene(scene)
+    SettledScene::new(scene, headers, &mut Checker::default()).scene(scene)
 }
 
-/// A scene with everything said.
-pub(crate) struct Settled {
+/// A scene with every default filled in.
+pub(crate) struct SettledScene {
     /// `None` if the scene names one that there is not.
     pub preset: Option<&'static PresetInfo>,
     pub size: [u32; 2],
@@ -97,12 +97,12 @@ pub(crate) struct SettledGradient {
     pub of: GradientInput,
 }
 
-impl Settled {
+impl SettledScene {
     /// What `scene` means with data of these headers. Keys that do not go together are problems.
     ///
     /// # Panics
     /// If there is no header of a volume.
-    pub fn new(scene: &Scene, headers: &Headers, checker: &mut Checker) -> Settled {
+    pub fn new(scene: &Scene, headers: &Headers, checker: &mut Checker) -> SettledScene {
         let header = &headers.volumes[0];
         let named = scene.preset.as_deref();
         let preset = preset(named, scene.method, header);
@@ -132,7 +132,7 @@ impl Settled {
         let camera = scene.camera.unwrap_or_default();
         let clips = scene.clips.iter().flatten().enumerate();
         let own_grid = &volumes[0].grid;
-        Settled {
+        SettledScene {
             preset,
             size,
             shows_values: quality.shows_values(method),

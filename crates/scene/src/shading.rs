@@ -9,7 +9,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use strahl_volume::VolumeHeader;
 
-/// How light and surface make a colour.
+/// How surfaces reflect light.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default, deny_unknown_fields)]
@@ -17,10 +17,10 @@ pub struct Shading {
     /// The model.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub model: Option<ShadingModel>,
-    /// Share of the colour that is there without light, 0 to 10.
+    /// Factor of the color that is visible without light, 0 to 10.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ambient: Option<f64>,
-    /// Share of the colour that follows the angle to the light, 0 to 10.
+    /// Factor of the color that depends on the angle to the light, 0 to 10.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub diffuse: Option<f64>,
     /// Strength of the white highlight, 0 to 10.
@@ -32,14 +32,14 @@ pub struct Shading {
     /// `cook-torrance`: how rough the surface is, 0.05 to 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub roughness: Option<f64>,
-    /// `cook-torrance`: share of the light that is mirrored head on, 0 to 1.
+    /// `cook-torrance`: fraction of the light that is reflected at normal incidence, 0 to 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reflectance: Option<f64>,
-    /// Where there is no gradient, the last normal of the ray lights the sample; default false.
+    /// A sample without a gradient uses the last normal of its ray; default false.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub keep_last_normal: Option<bool>,
-    /// `gradient-opacity`: the gradient magnitude that leaves the opacity as it is, in values per mm;
-    /// default chosen from the data.
+    /// `gradient-opacity`: the gradient magnitude at which the opacity is unchanged, in values
+    /// per mm; default chosen from the data.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub full_per_mm: Option<f64>,
 }

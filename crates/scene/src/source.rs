@@ -3,9 +3,9 @@
 use crate::plan::{ClipShape, Field, Plan};
 use std::sync::Arc;
 use strahl_shader::BRICK_VOXELS;
-use strahl_volume::bricks::{Bricks, BricksOf};
+use strahl_volume::bricks::{Bricks, BricksKey};
 use strahl_volume::{
-    Cancelled, CoefficientsOf, Control, Datasets, Error, Rescale, SampleType, Store, Volume,
+    Cancelled, CoefficientsKey, Control, Datasets, Error, Rescale, SampleType, Store, Volume,
 };
 
 /// Data that a Plan was not resolved for.
@@ -167,7 +167,7 @@ impl Source {
         control: &Control,
     ) -> Result<Source, Error> {
         Source::new(field, data, |own| {
-            store.find(&CoefficientsOf(own.id()), control, || {
+            store.find(&CoefficientsKey(own.id()), control, || {
                 own.b_spline_coefficients_under(control)
             })
         })
@@ -179,7 +179,7 @@ impl Source {
     /// It was cancelled.
     pub fn bricks(&self, store: &Store, control: &Control) -> Result<Arc<Bricks>, Cancelled> {
         let edge = BRICK_VOXELS as usize;
-        let key = BricksOf::new(&self.volume, edge, 0);
+        let key = BricksKey::new(&self.volume, edge, 0);
         store.find(&key, control, || {
             Bricks::under(&self.volume, edge, 0, control)
         })

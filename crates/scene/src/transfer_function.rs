@@ -14,35 +14,35 @@ use std::borrow::Cow;
 use std::fmt;
 use strahl_volume::VolumeHeader;
 
-/// Value → colour and opacity: points, or a colour map over a window, or a mix of both.
+/// Maps values to color and opacity: points, a color map over a window, or a combination.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct TransferFunction {
-    /// Points in ascending order of value. Colour and opacity are linear in between (colour in
-    /// sRGB), each over the points that state it; two points of one value make a step.
+    /// Points in ascending order of value. Color and opacity are each linear between the points
+    /// that have them (color in sRGB). Two points with the same value make a step.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub points: Option<Vec<TransferPoint>>,
-    /// What the points' values count in; default `values`.
+    /// What the values of points count in; default `values`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub points_in: Option<PointsIn>,
     /// Width of the window in values; default chosen from the histogram.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub window: Option<f64>,
-    /// Middle of the window in values; default chosen from the histogram.
+    /// Center of the window in values; default chosen from the histogram.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub level: Option<f64>,
-    /// Colours over the window, for points without a colour; default `grey`.
+    /// Colors over the window, for points without a color; default `grey`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub color_map: Option<ColorMap>,
-    /// Opacity at the low and at the high end of the window, for points without opacity; default
-    /// 0 and 1.
+    /// Opacity at the low and the high end of the window, for points without opacity; default 0
+    /// and 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub opacity: Option<[f64; 2]>,
-    /// The length of material in mm that an opacity belongs to.
+    /// The length of material in mm that an opacity refers to.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reference_mm: Option<f64>,
-    /// The same in mean voxel spacings; default 1.
+    /// The same in units of the mean voxel spacing; default 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reference_voxels: Option<f64>,
 }
@@ -54,7 +54,7 @@ pub struct TransferFunction {
 pub enum PointsIn {
     /// Values of the volume (HU for CT).
     Values,
-    /// Shares of the window: 0 is its low end, 1 its high end.
+    /// Fractions of the window: 0 is its low end, 1 its high end.
     Window,
 }
 
@@ -111,7 +111,7 @@ impl<'de> Deserialize<'de> for TransferPoint {
 
             fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
                 f.write_str(
-                    "a point: {\"value\": …, \"opacity\": …, \"color\": …} or [value, opacity, colour]",
+                    "a point: {\"value\": …, \"opacity\": …, \"color\": …} or [value, opacity, color]",
                 )
             }
 
@@ -156,7 +156,7 @@ impl JsonSchema for TransferPoint {
         let keys = generator.subschema_for::<PointKeys>();
         let color = generator.subschema_for::<Color>();
         json_schema!({
-            "description": "A point, with keys or as [value, opacity, colour]",
+            "description": "A point, with keys or as [value, opacity, color]",
             "anyOf": [
                 keys,
                 {
@@ -240,7 +240,12 @@ impl TransferFunction {
                 width: self.window.unwrap_or(automatic.width()),
             }
         });
-        if let (true, Some(SettledWindow { level, width })) = (relative, window) {
+        // In a wrong window the points would be wrong as well: only the window is reported.
+        if let (true, Some(SettledWindow { level, width })) = (relative, window)
+            && width > 0.0
+            && width.is_finite()
+            && level.is_finite()
+        {
             for point in &mut points {
                 point.value = round_to_width(level + (point.value - 0.5) * width, width);
             }
@@ -412,8 +417,8 @@ impl SettledFunction {
         if let (true, Some(map)) = (colors, self.color_map) {
             checker.add(
                 "transfer_function.color_map",
-                format!("{:?} beside points with colours", map.name()),
-                "colours either from the points or from a map",
+                format!("{:?} beside points with colors", map.name()),
+                "colors either from the points or from a map",
             );
         }
         if let Some(ends) = self.opacity {

@@ -31,7 +31,7 @@ pub enum Contribution {
 
 /// All that the [`Contribution`] of an object's bricks depends on.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ContributionOf {
+pub struct ContributionKey {
     /// The volume that the bricks are those of.
     source: ContentId,
     /// Of the bricks: cells along the edge, voxels beyond.
@@ -46,11 +46,11 @@ pub struct ContributionOf {
     is_known: bool,
 }
 
-impl ContributionOf {
+impl ContributionKey {
     /// That of layer number `layer`, whose renderer reconstructs from the volume `source` with these `bricks`.
-    pub fn new(plan: &Plan, layer: usize, source: ContentId, bricks: &Bricks) -> ContributionOf {
+    pub fn new(plan: &Plan, layer: usize, source: ContentId, bricks: &Bricks) -> ContributionKey {
         let (field, technique) = (plan.field_of(layer), plan.technique_of(layer));
-        ContributionOf {
+        ContributionKey {
             source,
             edge: bricks.edge(),
             reach: bricks.reach(),
@@ -66,11 +66,11 @@ impl ContributionOf {
 
     /// Bytes that the key itself takes.
     pub fn table_bytes(&self) -> usize {
-        size_of_val(self.table.entries()) + size_of::<ContributionOf>()
+        size_of_val(self.table.entries()) + size_of::<ContributionKey>()
     }
 }
 
-impl Key for ContributionOf {
+impl Key for ContributionKey {
     type Value = Contribution;
 
     const NAME: &str = "visible bricks";

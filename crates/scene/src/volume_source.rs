@@ -19,34 +19,37 @@ pub struct VolumeSource {
     /// Name of a built-in phantom, such as `anatomy`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub phantom: Option<String>,
-    /// Voxels along x, y, z: of a phantom, or of a file without a header.
+    /// Number of voxels along x, y, z: of a phantom, or of a headerless file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub dims: Option<[usize; 3]>,
-    /// Level of detail: 0 is all of it, 1 half as many voxels along each axis, 1.5 between 1 and 2.
+    /// Level of detail: 0 is full resolution, 1 is half as many voxels along each axis;
+    /// fractions are allowed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub level: Option<f64>,
     /// Time point of a 4-D file, from 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub time: Option<usize>,
-    /// Which of several numbers per voxel, from 0. Without, colours become luminance.
+    /// Component of a voxel with several numbers, counted from 0. By default, colors become
+    /// luminance.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub component: Option<usize>,
-    /// Which DICOM series of a folder: its number in the list from 1, its series number or its UID.
+    /// DICOM series of a folder: its number in the list (from 1), its series number, or its
+    /// UID.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub series: Option<String>,
     /// Resamples a series with missing or uneven slices instead of refusing it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub allow_gaps: Option<bool>,
-    /// Sample type of a file without a header: `u8` … `f64`.
+    /// Sample type of a headerless file: `u8` … `f64`.
     #[serde(rename = "type", skip_serializing_if = "Option::is_none")]
     pub sample_type: Option<String>,
-    /// Distance between voxel centres along x, y, z for files that do not say.
+    /// Distance between voxel centers along x, y, z, for files that do not contain it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub spacing_mm: Option<[f64; 3]>,
-    /// Byte order of a file without a header.
+    /// Byte order of a headerless file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub endian: Option<Endian>,
-    /// Bytes before the first sample of a file without a header.
+    /// Number of bytes before the first sample of a headerless file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub header_bytes: Option<u64>,
 }

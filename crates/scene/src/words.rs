@@ -95,12 +95,13 @@ for_each_function! { GradientInput => same_in_plan! { GradientInput } }
 for_each_function! { Reconstruct => same_in_plan! { Reconstruct } }
 
 for_each_function! { Composite => words! {
-    /// How the samples of a ray become a pixel.
+    /// The composite rule: how the samples of a ray become a pixel.
     Method of "composite", "a method" {}
 } }
 
 for_each_function! { DebugView => words! {
-    /// How a picture is made, as a picture. "The first sample" is the first that is not transparent.
+    /// A view of the rendering process. "The first sample" is the first one that is not
+    /// transparent.
     DebugView of "composite", "a debug view" {}
 } }
 
@@ -110,19 +111,19 @@ for_each_function! { GradientMethod => words! {
 } }
 
 for_each_function! { GradientInput => words! {
-    /// What the gradient is taken of.
+    /// The input of the gradient.
     GradientInput of "gradient_input", "an input of the gradient" {}
 } }
 
 for_each_function! { Reconstruct => words! {
-    /// How a value between voxels is found.
+    /// Interpolation between voxels.
     Reconstruct of "reconstruct", "a reconstruction" {}
 } }
 
 for_each_function! { Illuminate => words! {
     /// A shading model.
     ShadingModel of "illuminate", "a shading model" {
-        /// The colour of the transfer function as it is.
+        /// The color of the transfer function, unchanged.
         Unlit "unlit",
         /// The colour as it is, the opacity by the gradient: borders stay, insides fade.
         GradientOpacity "gradient-opacity",

@@ -42,7 +42,7 @@ pub enum Error {
     },
     /// A composite that works on the values of one volume, and several objects.
     #[error(
-        "the composite {composite} works on the values of one volume, and {objects} objects are drawn; for several it has to add up what `look` says of them, as emission_absorption and back_to_front do"
+        "the composite {composite} works on the values of one volume, and {objects} objects are drawn; for several objects it has to add up the results of `look`, as emission_absorption and back_to_front do"
     )]
     OneObject {
         /// The composite.

@@ -1,10 +1,10 @@
-//! Shader functions: every step of the ray is a function with a signature, chosen at run time.
+//! Shader functions: every step of the ray is a function with a fixed signature, chosen at run time.
 //!
-//! A [`Module`] is the WGSL text of one function for one [`Slot`]: its signature, parameters and
-//! needs are read from the text, and whatever is wrong with it is shown in that text. A [`Linker`]
-//! puts a [`Selection`] of modules into a [`Skeleton`], the ray loop, and gives a [`Program`]: WGSL
-//! that a person can read and any backend of WebGPU can run. No text is ever replaced by pattern;
-//! modules are taken apart by tokens, checked by naga, and checked again when they are together.
+//! A [`Module`] is the WGSL text of one function for one [`Slot`]. Signature, parameters and needs are
+//! read from the text, and error messages mark their place in it. A [`Linker`] links a [`Selection`]
+//! of modules into a [`Skeleton`], the ray loop. The result is a [`Program`]: readable WGSL for any
+//! WebGPU backend. The linker works on tokens. naga checks each module on its own, and then the
+//! program.
 //!
 #![cfg_attr(feature = "link", doc = "```")]
 #![cfg_attr(not(feature = "link"), doc = "```ignore")]
@@ -77,7 +77,7 @@ pub use error::Error;
 pub use limits::{BRICK_VOXELS, MOST_MASKS, MOST_OBJECTS};
 #[cfg(not(feature = "link"))]
 pub use no_module::Module;
-pub use parameter::{Beside, Parameter, Scalar};
+pub use parameter::{Parameter, ParameterRelation, Scalar};
 pub use slot::{Fold, SLOTS, SUPPLIED, Signature, Slot, slot};
 
 #[cfg(feature = "link")]

@@ -11,7 +11,7 @@ use crate::registry::Function;
 use crate::skeleton::{Skeleton, bindings};
 use crate::slot::{Fold, SLOTS, SUPPLIED, Signature, Slot};
 use crate::technique;
-use crate::token::{Declared, Token, closing, declarations, tokens};
+use crate::token::{DeclarationKind, Token, closing, declarations, tokens};
 use naga::TypeInner;
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::fmt::Write;
@@ -107,7 +107,7 @@ impl Linker {
 
 /// A function that the program needs.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Needed {
+enum Requirement {
     Slot(&'static Slot),
     /// The folded call of all lights.
     Lighting,
@@ -192,7 +192,7 @@ struct Reach<'s> {
     parts: Vec<bool>,
     lighting: bool,
     /// The functions being followed, for circles.
-    path: Vec<(Needed, String)>,
+    path: Vec<(Requirement, String)>,
 }
 
 impl<'s> Reach<'s> {
@@ -206,7 +206,7 @@ impl<'s> Reach<'s> {
             let declared = declarations(text, &tokens).into_iter();
             Part {
                 functions: declared
-                    .filter(|d| d.kind == Declared::Function)
+                    .filter(|d| d.kind == DeclarationKind::Function)
                     .map(|d| d.name)
                     .collect(),
                 calls: calls(text, &tokens),
@@ -238,18 +238,18 @@ impl<'s> Reach<'s> {
     }
 
     /// Who may be asked for by name.
-    fn needed(&self, name: &str) -> Option<Needed> {
+    fn needed(&self, name: &str) -> Option<Requirement> {
         if name == "lighting" {
-            return Some(Needed::Lighting);
+            return Some(Requirement::Lighting);
         }
         let defines = |part: &Part| part.functions.iter().any(|function| function == name);
         if let Some(part) = self.of_parts.iter().position(defines) {
-            return Some(Needed::Part(part));
+            return Some(Requirement::Part(part));
         }
         let slot = SLOTS
             .iter()
             .find(|slot| slot.functions.iter().any(|f| f.name == name))?;
-        Some(Needed::Slot(slot))
+        Some(Requirement::Slot(slot))
     }
 
     /// In the order of the ray.
@@ -257,14 +257,14 @@ impl<'s> Reach<'s> {
         SLOTS.iter().filter(|slot| self.slots.contains(slot))
     }
 
-    fn follow(&mut self, needed: Needed, needed_by: &str) -> Result<(), Error> {
+    fn follow(&mut self, needed: Requirement, needed_by: &str) -> Result<(), Error> {
         if let Some(start) = self.path.iter().position(|(n, _)| *n == needed) {
             let mut path: Vec<_> = self.path[start..].iter().map(|(_, n)| n.clone()).collect();
             path.push(path[0].clone());
             return Err(Error::Circle { path });
         }
         match needed {
-            Needed::Lighting => {
+            Requirement::Lighting => {
                 if !std::mem::replace(&mut self.lighting, true) {
                     self.path.push((needed, "lighting".into()));
                     for name in ["light", "illuminate"] {
@@ -281,8 +281,8 @@ impl<'s> Reach<'s> {
                 }
                 Ok(())
             }
-            Needed::Slot(slot) => self.follow_slot(slot, needed_by),
-            Needed::Part(part) => self.follow_part(part),
+            Requirement::Slot(slot) => self.follow_slot(slot, needed_by),
+            Requirement::Part(part) => self.follow_part(part),
         }
     }
 
@@ -291,11 +291,11 @@ impl<'s> Reach<'s> {
             return Ok(());
         }
         let name = self.of_parts[part].functions[0].clone();
-        self.path.push((Needed::Part(part), name.clone()));
+        self.path.push((Requirement::Part(part), name.clone()));
         for call in self.of_parts[part].calls.clone() {
             match self.needed(call) {
                 // Its own functions.
-                Some(Needed::Part(own)) if own == part => {}
+                Some(Requirement::Part(own)) if own == part => {}
                 Some(next) => self.follow(next, &name)?,
                 None => {}
             }
@@ -324,7 +324,7 @@ impl<'s> Reach<'s> {
         }
         for module in modules {
             let who = format!("{} ({})", slot.name, module.name());
-            self.path.push((Needed::Slot(slot), who.clone()));
+            self.path.push((Requirement::Slot(slot), who.clone()));
             for need in module.needs() {
                 if let Some(next) = self.needed(need) {
                     self.follow(next, &who)?;
@@ -485,7 +485,10 @@ impl<'s> Writer<'s> {
                 label.clone()
             } else if is_function_of_slot && !numbered {
                 continue;
-            } else if matches!(declaration.kind, Declared::Struct | Declared::Alias) {
+            } else if matches!(
+                declaration.kind,
+                DeclarationKind::Struct | DeclarationKind::Alias
+            ) {
                 self.unique(camel_case(&label) + own)
             } else {
                 self.unique(format!("{label}_{own}"))
@@ -654,7 +657,7 @@ fn folded(slot: &Slot, calls: &[String]) -> Option<String> {
 
 /// The tokens that are names of struct members where they are declared.
 fn members(module: &Module) -> HashSet<usize> {
-    let is_struct = |d: &&crate::token::Declaration| d.kind == Declared::Struct;
+    let is_struct = |d: &&crate::token::Declaration| d.kind == DeclarationKind::Struct;
     let bodies = module.declarations.iter().filter(is_struct);
     bodies
         .flat_map(|d| d.tokens.clone())

@@ -1,10 +1,10 @@
 //! A module: the WGSL text of one function for one slot.
 
 use crate::error::Error;
-use crate::parameter::{Beside, Parameter, Scalar};
+use crate::parameter::{Parameter, ParameterRelation, Scalar};
 use crate::report::Report;
 use crate::slot::{SLOTS, SUPPLIED, Signature, Slot};
-use crate::token::{Declaration, Declared, Token, declarations, tokens};
+use crate::token::{Declaration, DeclarationKind, Token, declarations, tokens};
 use naga::front::wgsl;
 use naga::proc::GlobalCtx;
 use naga::valid::{
@@ -188,7 +188,7 @@ impl Module {
         }
         let tokens = tokens(source);
         let declarations = declarations(source, &tokens);
-        text.check_declarations(&tokens, &declarations)?;
+        text.check_declarations(&tokens, &declarations, is_node)?;
         let slot = if is_node {
             text.no_slot(&declarations)?;
             &NODE
@@ -197,7 +197,7 @@ impl Module {
         };
         let has_parameters = declarations
             .iter()
-            .any(|d| d.kind == Declared::Struct && d.name == "Params");
+            .any(|d| d.kind == DeclarationKind::Struct && d.name == "Params");
 
         let surroundings = surroundings(slot, has_parameters);
         let naga = text.parsed(&format!("{source}\n{surroundings}"))?;
@@ -226,7 +226,9 @@ impl Module {
             parameters,
             parameter_bytes,
             needs: needs(slot, &naga, &functions),
-            remembers: declarations.iter().any(|d| d.kind == Declared::Private),
+            remembers: declarations
+                .iter()
+                .any(|d| d.kind == DeclarationKind::Private),
             is_back_to_front: slot.name == "composite" && is_true(&naga, "BACK_TO_FRONT"),
             is_built_in,
             hash: hasher.finish(),
@@ -282,7 +284,7 @@ fn ports(naga: &naga::Module, handle: Handle<Function>, found: &[Declaration]) -
         return ports;
     };
     ports.result = type_name(naga, result.ty);
-    let is_own = |d: &Declaration| d.kind == Declared::Struct && d.name == ports.result;
+    let is_own = |d: &Declaration| d.kind == DeclarationKind::Struct && d.name == ports.result;
     if let TypeInner::Struct { members, .. } = &naga.types[result.ty].inner
         && found.iter().any(is_own)
     {
@@ -358,27 +360,39 @@ impl Text<'_> {
     }
 
     /// Refuses what belongs to whole programs, and names that are taken.
-    fn check_declarations(&self, tokens: &[Token], found: &[Declaration]) -> Result<(), Error> {
+    fn check_declarations(
+        &self,
+        tokens: &[Token],
+        found: &[Declaration],
+        is_node: bool,
+    ) -> Result<(), Error> {
+        // Nodes may not have a `var<private>`: a graph keeps state in the variables of loops.
+        let instead = match is_node {
+            true => {
+                "a node gets its data as arguments; numbers that are set from outside are members of `struct Params`"
+            }
+            false => {
+                "numbers that are set from outside are members of `struct Params`; voxels are read with `fetch`, `texel` or `reconstruct`; a `var<private>` keeps state along the ray"
+            }
+        };
         for declaration in found {
             let place = declaration.span.clone();
             let name = &declaration.name;
             match declaration.kind {
-                Declared::Resource => {
+                DeclarationKind::Resource => {
                     return Err(self.error(
-                        "a module binds no resources",
+                        "a module cannot bind resources",
                         place,
                         "declared here",
-                        [
-                            "numbers that are set from outside are members of `struct Params`; voxels are read with `fetch`, `texel` or `reconstruct`; `var<private>` remembers something along the ray".into(),
-                        ],
+                        [instead.into()],
                     ));
                 }
-                Declared::Directive => {
+                DeclarationKind::Directive => {
                     return Err(self.error(
-                        "a module enables no extensions",
+                        "a module cannot enable extensions",
                         place,
                         "enabled here",
-                        ["it has to run on every adapter; leave the line out".into()],
+                        ["it has to run on every adapter; remove the line".into()],
                     ));
                 }
                 _ => {}
@@ -403,7 +417,7 @@ impl Text<'_> {
                 "vertex" | "fragment" | "compute" | "workgroup_size" | "builtin" | "location" => {
                     "a module has no entry point; it defines the function of a slot"
                 }
-                "group" | "binding" | "id" => "a module binds no resources",
+                "group" | "binding" | "id" => "a module cannot bind resources",
                 _ => continue,
             };
             return Err(self.error(wrong, pair[0].span.start..pair[1].span.end, "here", []));
@@ -425,7 +439,7 @@ impl Text<'_> {
 
     /// The one slot whose function is defined.
     fn slot(&self, found: &[Declaration]) -> Result<&'static Slot, Error> {
-        let functions = || found.iter().filter(|d| d.kind == Declared::Function);
+        let functions = || found.iter().filter(|d| d.kind == DeclarationKind::Function);
         let mut slots = functions().filter_map(|d| {
             let slot = SLOTS
                 .iter()
@@ -482,7 +496,7 @@ impl Text<'_> {
     fn no_slot(&self, found: &[Declaration]) -> Result<(), Error> {
         let of_slot = |d: &&Declaration| {
             let mut functions = SLOTS.iter().flat_map(|slot| slot.functions);
-            d.kind == Declared::Function && functions.any(|f| f.name == d.name)
+            d.kind == DeclarationKind::Function && functions.any(|f| f.name == d.name)
         };
         let Some(taken) = found.iter().find(of_slot) else {
             return Ok(());
@@ -498,7 +512,7 @@ impl Text<'_> {
     /// The function that no other calls.
     fn main(&self, found: &[Declaration], naga: &naga::Module) -> Result<Handle<Function>, Error> {
         let declared = |name: &str| {
-            let mut functions = found.iter().filter(|d| d.kind == Declared::Function);
+            let mut functions = found.iter().filter(|d| d.kind == DeclarationKind::Function);
             functions.find(|d| d.name == name)
         };
         let mut called_by_others = Vec::new();
@@ -622,7 +636,7 @@ impl Text<'_> {
             let list: Vec<_> = arguments.iter().map(|(n, k)| format!("{n}: {k}")).collect();
             let place = found
                 .iter()
-                .find(|d| d.kind == Declared::Function && d.name == wanted.name)
+                .find(|d| d.kind == DeclarationKind::Function && d.name == wanted.name)
                 .map_or(0..0, |d| d.span.clone());
             return Err(self.error(
                 format!("`{}` has another signature than its slot", wanted.name),
@@ -634,7 +648,10 @@ impl Text<'_> {
                         wanted.name,
                         list.join(", ")
                     ),
-                    format!("a function in the slot {} says {}", slot.name, slot.meaning),
+                    format!(
+                        "a function in the slot {} computes {}",
+                        slot.name, slot.meaning
+                    ),
                 ],
             ));
         }
@@ -721,7 +738,7 @@ impl Text<'_> {
             parameters.push(parameter);
         }
         for parameter in &parameters {
-            let other = parameter.beside.as_ref().map(Beside::other);
+            let other = parameter.beside.as_ref().map(ParameterRelation::other);
             if let Some(other) = other
                 && !parameters.iter().any(|p| p.name == other)
             {
@@ -793,7 +810,7 @@ fn type_name(naga: &naga::Module, handle: Handle<naga::Type>) -> String {
         (ScalarKind::Sint, 4) => ("i32", "i"),
         (ScalarKind::Uint, 4) => ("u32", "u"),
         (ScalarKind::Bool, _) => ("bool", "<bool>"),
-        _ => ("another scalar", "<another scalar>"),
+        _ => ("unsupported scalar", "<unsupported scalar>"),
     };
     let digit = |size: VectorSize| size as u8;
     match ty.inner {
@@ -815,7 +832,10 @@ fn type_name(naga: &naga::Module, handle: Handle<naga::Type>) -> String {
         } => "texture_2d<f32>".to_owned(),
         TypeInner::Array { base, .. } => format!("array<{}, …>", type_name(naga, base)),
         TypeInner::Pointer { base, .. } => format!("ptr<…, {}>", type_name(naga, base)),
-        _ => "another type".to_owned(),
+        TypeInner::Sampler { .. } => "sampler".to_owned(),
+        TypeInner::Image { .. } => "texture".to_owned(),
+        TypeInner::Atomic(s) => format!("atomic<{}>", scalar(s).0),
+        _ => "unsupported type".to_owned(),
     }
 }
 

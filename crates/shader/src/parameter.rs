@@ -36,12 +36,12 @@ pub struct Parameter {
     /// The unit, if it has one.
     pub unit: Option<Cow<'static, str>>,
     /// What its value is beside that of another parameter.
-    pub beside: Option<Beside>,
+    pub beside: Option<ParameterRelation>,
 }
 
 /// What the value of a parameter is beside that of another one.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Beside {
+pub enum ParameterRelation {
     /// `not NAME`: another number than that of the parameter `NAME`.
     Not(Cow<'static, str>),
     /// `above NAME`: a larger number.
@@ -59,11 +59,11 @@ pub enum Scalar {
     U32,
 }
 
-impl Beside {
+impl ParameterRelation {
     /// The name of the other parameter.
     pub fn other(&self) -> &str {
         match self {
-            Beside::Not(other) | Beside::Above(other) => other,
+            ParameterRelation::Not(other) | ParameterRelation::Above(other) => other,
         }
     }
 }
@@ -140,10 +140,10 @@ impl Parameter {
         // As the program sees them.
         let value = value as f32;
         match &self.beside {
-            Some(Beside::Not(other)) if value == of(other) as f32 => {
+            Some(ParameterRelation::Not(other)) if value == of(other) as f32 => {
                 Err(format!("{} other than {other}", self.name))
             }
-            Some(Beside::Above(other)) if value <= of(other) as f32 => {
+            Some(ParameterRelation::Above(other)) if value <= of(other) as f32 => {
                 Err(format!("{} above {other}", self.name))
             }
             _ => Ok(()),
@@ -221,8 +221,8 @@ impl Parameter {
                 self.range = [low, high];
             }
             "unit" => self.unit = Some(rest.to_owned().into()),
-            "not" => self.beside = Some(Beside::Not(rest.to_owned().into())),
-            "above" => self.beside = Some(Beside::Above(rest.to_owned().into())),
+            "not" => self.beside = Some(ParameterRelation::Not(rest.to_owned().into())),
+            "above" => self.beside = Some(ParameterRelation::Above(rest.to_owned().into())),
             _ => return Err(unreadable()),
         }
         Ok(())

@@ -3,7 +3,7 @@
 //! [`for_each_function`](crate::for_each_function) for whatever else has a piece of code per function.
 
 use crate::error::Error;
-use crate::parameter::{Beside, Parameter, Scalar};
+use crate::parameter::{Parameter, ParameterRelation, Scalar};
 use crate::slot::SLOTS;
 use std::borrow::Cow;
 

@@ -101,7 +101,7 @@ pub static SLOTS: [Slot; 12] = [
     },
     Slot {
         name: "classify",
-        meaning: "colour and opacity of a value",
+        meaning: "color and opacity of a value",
         functions: &[function(
             "classify",
             &[("value", "f32"), ("position", "vec3f")],
@@ -153,7 +153,7 @@ pub static SLOTS: [Slot; 12] = [
     },
     Slot {
         name: "shade",
-        meaning: "the look of a classified sample: its colour under the lights, its opacity",
+        meaning: "the look of a classified sample: its color under the lights, its opacity",
         functions: &[function(
             "shade",
             &[

@@ -107,7 +107,7 @@ fn block_comment(rest: &[u8]) -> usize {
 
 /// What stands at the top level of a module.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Declared {
+pub enum DeclarationKind {
     Function,
     Struct,
     Constant,
@@ -123,7 +123,7 @@ pub enum Declared {
 /// A declaration at the top level.
 #[derive(Clone, Debug)]
 pub struct Declaration {
-    pub kind: Declared,
+    pub kind: DeclarationKind,
     pub name: String,
     /// Where the name stands.
     pub span: Range<usize>,
@@ -138,12 +138,12 @@ pub fn declarations(source: &str, tokens: &[Token]) -> Vec<Declaration> {
     while at < tokens.len() {
         let keyword = tokens[at].text(source);
         let mut kind = match keyword {
-            "fn" => Declared::Function,
-            "struct" => Declared::Struct,
-            "const" => Declared::Constant,
-            "alias" => Declared::Alias,
-            "var" | "override" => Declared::Resource,
-            "enable" | "requires" | "diagnostic" => Declared::Directive,
+            "fn" => DeclarationKind::Function,
+            "struct" => DeclarationKind::Struct,
+            "const" => DeclarationKind::Constant,
+            "alias" => DeclarationKind::Alias,
+            "var" | "override" => DeclarationKind::Resource,
+            "enable" | "requires" | "diagnostic" => DeclarationKind::Directive,
             _ => {
                 at = if tokens[at].is(b'{') {
                     closing(tokens, at, b'{', b'}')
@@ -160,7 +160,7 @@ pub fn declarations(source: &str, tokens: &[Token]) -> Vec<Declaration> {
                 .get(name + 1)
                 .is_some_and(|t| t.text(source) == "private")
             {
-                kind = Declared::Private;
+                kind = DeclarationKind::Private;
             }
             name = end + 1;
         }
@@ -178,8 +178,8 @@ pub fn declarations(source: &str, tokens: &[Token]) -> Vec<Declaration> {
     found
 }
 
-fn end_of_declaration(tokens: &[Token], from: usize, kind: Declared) -> usize {
-    let with_body = matches!(kind, Declared::Function | Declared::Struct);
+fn end_of_declaration(tokens: &[Token], from: usize, kind: DeclarationKind) -> usize {
+    let with_body = matches!(kind, DeclarationKind::Function | DeclarationKind::Struct);
     let stop = if with_body { b'{' } else { b';' };
     match tokens[from..].iter().position(|t| t.is(stop)) {
         Some(i) if with_body => closing(tokens, from + i, b'{', b'}') + 1,
@@ -234,13 +234,13 @@ mod tests {
             .map(|d| (d.kind, d.name))
             .collect();
         let expected = [
-            (Declared::Constant, "A"),
-            (Declared::Struct, "S"),
-            (Declared::Private, "p"),
-            (Declared::Function, "f"),
-            (Declared::Resource, "u"),
-            (Declared::Resource, "t"),
-            (Declared::Alias, "V"),
+            (DeclarationKind::Constant, "A"),
+            (DeclarationKind::Struct, "S"),
+            (DeclarationKind::Private, "p"),
+            (DeclarationKind::Function, "f"),
+            (DeclarationKind::Resource, "u"),
+            (DeclarationKind::Resource, "t"),
+            (DeclarationKind::Alias, "V"),
         ];
         assert_eq!(found, expected.map(|(k, n)| (k, n.to_owned())));
     }

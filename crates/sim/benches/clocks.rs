@@ -6,7 +6,7 @@
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use std::hint::black_box;
 use strahl_sim::spec::Optimisation;
-use strahl_sim::{Frame, Nobody, Observer, Spec, VolumeStore, Wires, jaw, no_progress, run};
+use strahl_sim::{Frame, NoObserver, Observer, Spec, VolumeStore, Wires, jaw, no_progress, run};
 
 /// Looks at one wire: every word is made in its clock.
 #[derive(Default)]
@@ -34,10 +34,10 @@ fn clocks(c: &mut Criterion) {
         };
         spec.look.opacity = vec![[1000.0, 0.0], [4095.0, 1.0]];
         let frame = Frame::new(&spec, &volume).unwrap();
-        let once = run(&frame, &mut Nobody, &no_progress).unwrap();
+        let once = run(&frame, &mut NoObserver, &no_progress).unwrap();
         group.throughput(Throughput::Elements(once.counters.clocks));
         group.bench_function(name, |b| {
-            b.iter(|| run(black_box(&frame), &mut Nobody, &no_progress).unwrap());
+            b.iter(|| run(black_box(&frame), &mut NoObserver, &no_progress).unwrap());
         });
         group.bench_function(format!("{name}, observed"), |b| {
             b.iter(|| run(black_box(&frame), &mut Reads::default(), &no_progress).unwrap());

@@ -6,7 +6,7 @@
 
 use crate::fixed_point::{scaled, whole};
 use crate::frame::Frame;
-use crate::messages::{Classified, Lit, Read, Sample, Slot, Visible};
+use crate::messages::{Classified, LitSample, Read, Sample, Slot, VisibleSample};
 use crate::polygons::Fragment;
 use crate::rays::Ray;
 use crate::spec::{Classification, Leaping, Reconstruction};
@@ -201,7 +201,7 @@ impl<'f> DataPath<'f> {
 
     /// What is visible of a sample of a ray that has not ended; it may end the ray.
     #[inline(always)]
-    pub fn absorb(&self, light: &mut Light, word: Classified) -> Option<Visible> {
+    pub fn absorb(&self, light: &mut Light, word: Classified) -> Option<VisibleSample> {
         if light.fragment.is_some_and(|f| word.plane >= f.plane) {
             light.has_ended = self.merge_fragment(light);
             if light.has_ended {
@@ -230,7 +230,7 @@ impl<'f> DataPath<'f> {
         }
         light.passing = passing;
         light.has_ended = ends;
-        Some(Visible {
+        Some(VisibleSample {
             slot: word.slot,
             weight,
             gradient: word.gradient,
@@ -240,7 +240,7 @@ impl<'f> DataPath<'f> {
 
     /// What a visible sample weighs, with the length of its gradient if that counts.
     #[inline(always)]
-    fn weight(&self, visible: &Visible) -> u32 {
+    fn weight(&self, visible: &VisibleSample) -> u32 {
         let look = &self.frame.spec.look;
         let widths = &self.frame.spec.widths;
         if !look.gradient_weighting {
@@ -256,7 +256,7 @@ impl<'f> DataPath<'f> {
     }
 
     #[inline(always)]
-    pub fn shade(&self, visible: Visible) -> Lit {
+    pub fn shade(&self, visible: VisibleSample) -> LitSample {
         let widths = &self.frame.spec.widths;
         let weight = self.weight(&visible);
         let intensity = match (&self.frame.materials, &self.frame.map) {
@@ -264,7 +264,7 @@ impl<'f> DataPath<'f> {
             (None, Some(map)) => [map.reflect(visible.gradient); 3],
             (None, None) => [(1 << widths.intensity) - 1; 3],
         };
-        Lit {
+        LitSample {
             slot: visible.slot,
             weight,
             intensity,
@@ -272,7 +272,7 @@ impl<'f> DataPath<'f> {
     }
 
     #[inline(always)]
-    pub fn composite(&self, light: &mut Light, lit: Lit) {
+    pub fn composite(&self, light: &mut Light, lit: LitSample) {
         for (accumulator, intensity) in light.accumulator.iter_mut().zip(lit.intensity) {
             *accumulator = self.compositor.add(*accumulator, lit.weight, intensity);
         }

@@ -254,7 +254,7 @@ impl Frame {
     /// The frame with bent rays.
     ///
     /// # Errors
-    /// If there are not `planes` offsets for every pixel, or rays leap: distances say nothing about bent rays.
+    /// If there are not `planes` offsets for every pixel, or rays leap: distances do not apply to bent rays.
     pub fn with_deformation(mut self, deformation: Deformation) -> Result<Frame, Error> {
         if let Deformation::Table { planes, offsets } = &deformation {
             let needed = self.setup.pixel_count() * *planes as usize;
@@ -268,7 +268,7 @@ impl Frame {
             return Err(Error::field("shadow", "on", problem));
         }
         if self.distance.is_some() {
-            let problem = "distances say nothing about bent rays: set it to off";
+            let problem = "distances do not apply to bent rays: set it to off";
             return Err(Error::field("optimisation.leaping", "on", problem));
         }
         self.deformation = Some(Arc::new(deformation));

@@ -6,7 +6,7 @@
 //! laid over each other by their nearest pixel.
 
 use crate::counters::Counters;
-use crate::observer::{Nobody, Observer};
+use crate::observer::{NoObserver, Observer};
 use crate::processor::{Progress, Run, run};
 use crate::{Error, Frame};
 
@@ -58,7 +58,7 @@ pub(crate) fn run_slabs(
             |drawn: usize, all: usize| progress(all * i as usize + drawn, all * slabs as usize);
         let drawn = match observer.take() {
             Some(observer) => run(&slab, observer, &told)?,
-            None => run(&slab, &mut Nobody, &told)?,
+            None => run(&slab, &mut NoObserver, &told)?,
         };
         for pixel in 0..color.len() {
             let theirs = match &drawn.color {

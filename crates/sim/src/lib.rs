@@ -1,11 +1,11 @@
 //! A cycle-accurate model of a multithreaded ray-casting processor.
 //!
-//! The machine is the one of B. Vettermann's doctoral thesis (Mannheim 2006; "the document" in these pages): a pipeline
-//! that draws volumes with one sample per clock, threads over the rays of a tile, and sorts them so that the open rows of
-//! its SDRAM work as a cache. The model is bit-true and cycle-true: [`spec`] says what is built, [`messages`] every word
-//! on every wire, [`processor`] what happens in a clock.
+//! The processor comes from B. Vettermann's doctoral thesis (Mannheim 2006; "the document" on these pages). Its
+//! pipeline draws volumes with one sample per clock, with the rays of a tile as threads. It sorts the rays so that
+//! the open rows of its SDRAM work as a cache. The model is exact in bits and clocks: [`spec`] describes the
+//! design, [`messages`] has every word on every wire, and [`processor`] simulates one clock.
 //!
-//! Everything here is integer arithmetic of its own; no renderer is called, so that pictures are an independent witness.
+//! This crate has its own integer arithmetic and calls no renderer, so its pictures check renderers independently.
 //!
 //! ```
 //! use strahl_sim::{Frame, Nobody, Spec, VolumeStore, jaw, no_progress, run};
@@ -105,7 +105,7 @@ pub use counters::Counters;
 pub use error::Error;
 pub use frame::Frame;
 pub use jaw::jaw;
-pub use observer::{Nobody, Observer, Wires};
+pub use observer::{NoObserver, Observer, Wires};
 pub use picture::{Picture, draw};
 pub use processor::{Progress, Run, no_progress, run};
 pub use spec::Spec;

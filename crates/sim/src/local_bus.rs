@@ -30,7 +30,7 @@ use crate::stages::classify::Tables;
 use crate::stages::fetch::Voxels;
 use crate::stages::shade::ReflectanceMap;
 use crate::voxel_layout::VoxelLayout;
-use crate::{Counters, Error, Nobody};
+use crate::{Counters, Error, NoObserver};
 
 /// Writing 1 starts a tile.
 pub const CONTROL: u32 = 0x0;
@@ -253,7 +253,7 @@ impl LocalBus {
         let Some((_, memory)) = &mut self.memory else {
             return Ok(());
         };
-        let drawn = run_on(&frame, memory, begin, &mut Nobody, &no_progress);
+        let drawn = run_on(&frame, memory, begin, &mut NoObserver, &no_progress);
         let drawn = drawn.map_err(|error| error.to_string())?;
         self.clocks = drawn.counters.clocks as u32;
         self.counters.add(&drawn.counters);
@@ -277,7 +277,7 @@ impl LocalBus {
         let voxels = self.dims.iter().map(|n| u64::from(*n)).product::<u64>();
         if self.dims.iter().any(|n| *n < 2) || voxels > MOST_VOXELS {
             return Err(format!(
-                "the registers of the volume say {:?} voxels; each must be at least 2, together at most {MOST_VOXELS}",
+                "the registers of the volume are set to {:?} voxels; each must be at least 2, together at most {MOST_VOXELS}",
                 self.dims
             ));
         }

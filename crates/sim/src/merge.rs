@@ -8,7 +8,7 @@
 //! overlap, so the samples of a ray in one of them all lie before those in another; the first plane of each says which.
 
 use crate::counters::Counters;
-use crate::observer::{Nobody, Observer};
+use crate::observer::{NoObserver, Observer};
 use crate::processor::{Progress, Run, run};
 use crate::rays::RaySetup;
 use crate::spec::{Axis, Spec};
@@ -216,7 +216,7 @@ impl Boards {
                 let told = |drawn: usize, _: usize| progress(before + drawn, total);
                 let drawn = match observer.take() {
                     Some(observer) => run(frame, observer, &told)?,
-                    None => run(frame, &mut Nobody, &told)?,
+                    None => run(frame, &mut NoObserver, &told)?,
                 };
                 clocks_of_part[board] += drawn.counters.clocks;
                 let is_complete = drawn.is_complete;

@@ -94,7 +94,7 @@ pub struct Classified {
 
 /// Absorption → shading: what is still visible of a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Visible {
+pub struct VisibleSample {
     /// Whose sample.
     pub slot: Slot,
     /// Opacity · light that passes: `widths.transmittance` bits.
@@ -107,10 +107,10 @@ pub struct Visible {
 
 /// Shading → compositing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Lit {
+pub struct LitSample {
     /// Whose sample.
     pub slot: Slot,
-    /// As in [`Visible`], times the length of the gradient if that weighs.
+    /// As in [`VisibleSample`], times the length of the gradient if that weighs.
     pub weight: u32,
     /// Reflected light: `widths.intensity` bits; red, green and blue with materials, else only the first.
     pub intensity: [u32; 3],

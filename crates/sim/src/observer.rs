@@ -1,6 +1,8 @@
 //! What can be attached to a run from outside: counters and traces see the wires and never change them.
 
-use crate::messages::{Classified, Lit, Read, Return, Sample, Slot, Terminate, Visible};
+use crate::messages::{
+    Classified, LitSample, Read, Return, Sample, Slot, Terminate, VisibleSample,
+};
 
 /// The words on the wires in one clock that is not frozen.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -22,11 +24,11 @@ pub struct Wires {
     /// Classification → absorption.
     pub classified: Option<Classified>,
     /// Absorption → shading.
-    pub visible: Option<Visible>,
+    pub visible: Option<VisibleSample>,
     /// Absorption → queue.
     pub terminate: Option<Terminate>,
     /// Shading → compositing.
-    pub lit: Option<Lit>,
+    pub lit: Option<LitSample>,
     /// What compositing has added this clock.
     pub composited: Option<Slot>,
 }
@@ -45,9 +47,9 @@ pub trait Observer {
 
 /// Nobody looks.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Nobody;
+pub struct NoObserver;
 
-impl Observer for Nobody {
+impl Observer for NoObserver {
     const LOOKS: bool = false;
 
     fn clock(&mut self, _: &Wires) {}

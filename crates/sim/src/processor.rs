@@ -16,9 +16,11 @@ use crate::data_path::{DataPath, Light, RayValue, Step};
 use crate::frame::Frame;
 use crate::latch::Delay;
 use crate::memory::Memory;
-use crate::messages::{Classified, Lit, Read, Return, Sample, Slot, Terminate, Visible};
-use crate::observer::{Nobody, Observer, Wires};
-use crate::ray_queue::{Rank, SortedQueue, Waiting};
+use crate::messages::{
+    Classified, LitSample, Read, Return, Sample, Slot, Terminate, VisibleSample,
+};
+use crate::observer::{NoObserver, Observer, Wires};
+use crate::ray_queue::{Rank, SortedQueue, WaitingRay};
 use crate::rays::Ray;
 use crate::shadow::ShadowUnit;
 use crate::spec::{Handover, Order, Scheduling, Shadow};
@@ -105,9 +107,9 @@ fn run_as<O: Observer, const KNOWN: bool>(
 ) -> Result<Run, Error> {
     let spec = &frame.spec;
     let pipelines = spec.queue.pipelines as usize;
-    let mut nobody = vec![Nobody; pipelines - 1];
+    let mut nobody = vec![NoObserver; pipelines - 1];
     let mut first = Processor::<O, KNOWN>::new(frame, observer, 0);
-    let mut others: Vec<Processor<Nobody, KNOWN>> = nobody
+    let mut others: Vec<Processor<NoObserver, KNOWN>> = nobody
         .iter_mut()
         .enumerate()
         .map(|(i, nobody)| Processor::new(frame, nobody, i + 1))
@@ -221,9 +223,9 @@ pub struct Processor<'f, O, const KNOWN: bool> {
     to_interpolate: Delay<Read>,
     to_classify: Delay<Sample>,
     to_absorb: Delay<Classified>,
-    to_shade: Delay<Visible>,
-    to_composite: Delay<Lit>,
-    to_tile: Delay<Lit>,
+    to_shade: Delay<VisibleSample>,
+    to_composite: Delay<LitSample>,
+    to_tile: Delay<LitSample>,
     to_queue: Delay<Terminate>,
     known_to_absorb: Delay<Token>,
     known_to_tile: Delay<Slot>,
@@ -465,7 +467,7 @@ impl<'f, O: Observer, const KNOWN: bool> Processor<'f, O, KNOWN> {
             self.drop_ended(back.slot());
             return false;
         }
-        self.queue.insert(Waiting {
+        self.queue.insert(WaitingRay {
             slot: back.slot(),
             rank: Rank::new(self.halves[half].tile, key),
         });
@@ -527,7 +529,7 @@ impl<'f, O: Observer, const KNOWN: bool> Processor<'f, O, KNOWN> {
         };
         let tile = self.halves[half].tile;
         if let Some((slot, key)) = self.halves[half].pending.pop() {
-            self.queue.insert(Waiting {
+            self.queue.insert(WaitingRay {
                 slot,
                 rank: Rank::new(tile, key),
             });
@@ -774,7 +776,7 @@ impl<'f, O: Observer, const KNOWN: bool> Processor<'f, O, KNOWN> {
                 next
             }
         };
-        let Some(Waiting { slot, .. }) = next else {
+        let Some(WaitingRay { slot, .. }) = next else {
             let is_host_late = self.frame.spec.host.is_waited_for
                 && self.next_tile < self.frame.setup.tile_count()
                 && !self.halves[self.next_tile / self.stride % 2].is_active;
@@ -888,7 +890,7 @@ impl<'f, O: Observer, const KNOWN: bool> Processor<'f, O, KNOWN> {
         memory: &mut Memory,
         now: u64,
         window: u32,
-    ) -> (Option<Waiting>, Access) {
+    ) -> (Option<WaitingRay>, Access) {
         if self.queue.is_empty() {
             // A refresh that is due waits for the next ray, so that its clocks are counted once.
             return (None, Access::default());
@@ -955,7 +957,7 @@ impl<'f, O: Observer, const KNOWN: bool> Processor<'f, O, KNOWN> {
     // ----- data path -----
 
     #[inline(always)]
-    fn absorb(&mut self, word: Classified) -> (Option<Visible>, Option<Terminate>) {
+    fn absorb(&mut self, word: Classified) -> (Option<VisibleSample>, Option<Terminate>) {
         if let Some(shadow) = &mut self.shadow
             && word.slot.index() >= 2 * self.half_size
         {

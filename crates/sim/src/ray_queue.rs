@@ -7,7 +7,7 @@ use crate::messages::Slot;
 
 /// A ray that waits: number and key. Older tiles come first, then smaller keys.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Waiting {
+pub struct WaitingRay {
     /// Its number.
     pub slot: Slot,
     /// Tile (which only orders; the circuit needs one bit of it) and key.
@@ -28,7 +28,7 @@ impl Rank {
 /// The queue as the run uses it: entries in order in a ring.
 #[derive(Clone, Debug)]
 pub struct SortedQueue {
-    ring: Box<[Waiting]>,
+    ring: Box<[WaitingRay]>,
     mask: usize,
     head: usize,
     len: usize,
@@ -38,7 +38,7 @@ impl SortedQueue {
     /// For at most `stages` rays.
     pub fn new(stages: usize) -> SortedQueue {
         let size = stages.max(1).next_power_of_two();
-        let nobody = Waiting {
+        let nobody = WaitingRay {
             slot: Slot(0),
             rank: Rank(0),
         };
@@ -64,13 +64,13 @@ impl SortedQueue {
 
     /// The ray at a place, 0 is next.
     #[inline(always)]
-    pub fn get(&self, place: usize) -> Option<Waiting> {
+    pub fn get(&self, place: usize) -> Option<WaitingRay> {
         (place < self.len).then(|| self.ring[(self.head + place) & self.mask])
     }
 
     /// Takes the next ray.
     #[inline(always)]
-    pub fn pop(&mut self) -> Option<Waiting> {
+    pub fn pop(&mut self) -> Option<WaitingRay> {
         let first = self.get(0)?;
         self.head = (self.head + 1) & self.mask;
         self.len -= 1;
@@ -78,7 +78,7 @@ impl SortedQueue {
     }
 
     /// Takes the ray at a place.
-    pub fn remove(&mut self, place: usize) -> Option<Waiting> {
+    pub fn remove(&mut self, place: usize) -> Option<WaitingRay> {
         let taken = self.get(place)?;
         for i in (1..=place).rev() {
             self.ring[(self.head + i) & self.mask] = self.ring[(self.head + i - 1) & self.mask];
@@ -93,7 +93,7 @@ impl SortedQueue {
     /// # Panics
     /// If all stages are taken, which the run prevents.
     #[inline(always)]
-    pub fn insert(&mut self, new: Waiting) {
+    pub fn insert(&mut self, new: WaitingRay) {
         assert!(self.len <= self.mask, "more rays than stages");
         let mut place = self.head + self.len;
         for _ in 0..self.len {
@@ -113,7 +113,7 @@ impl SortedQueue {
 /// multiplexer. Stage 0 is at the output.
 #[derive(Clone, Debug)]
 pub struct StageCascade {
-    stages: Vec<Option<Waiting>>,
+    stages: Vec<Option<WaitingRay>>,
 }
 
 impl StageCascade {
@@ -129,7 +129,11 @@ impl StageCascade {
     /// A stage whose ray is greater than the sort bus, or that is empty, holds; the others shift, and the last of them
     /// takes the ray from the bus. If all hold, the ray passes by them to the output: the case that the document leaves
     /// out.
-    pub fn clock(&mut self, shift_in: Option<Waiting>, sort: Option<Waiting>) -> Option<Waiting> {
+    pub fn clock(
+        &mut self,
+        shift_in: Option<WaitingRay>,
+        sort: Option<WaitingRay>,
+    ) -> Option<WaitingRay> {
         let Some(new) = sort else {
             let out = self.stages[0];
             self.stages.rotate_left(1);
@@ -169,8 +173,8 @@ mod tests {
     use std::cmp::Reverse;
     use std::collections::BinaryHeap;
 
-    fn waiting(slot: u16, key: u32) -> Waiting {
-        Waiting {
+    fn waiting(slot: u16, key: u32) -> WaitingRay {
+        WaitingRay {
             slot: Slot(slot),
             rank: Rank::new(0, key),
         }

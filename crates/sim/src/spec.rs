@@ -4,7 +4,7 @@ mod checks;
 mod extension_checks;
 mod extensions;
 
-pub use extensions::{Axis, Bend, Merge, Placed, Polygons, Shadow, Shape};
+pub use extensions::{Axis, Bend, Merge, PlacedVolume, Polygons, Shadow, Shape};
 
 use crate::Error;
 use schemars::JsonSchema;

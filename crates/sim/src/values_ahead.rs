@@ -36,7 +36,7 @@ impl<'f> ValuesAhead<'f> {
 
     /// Computes until nothing is left or somebody stops it: what other threads do.
     pub fn work(&self) {
-        let _guard = StopIfPanicking(self);
+        let _guard = PanicGuard(self);
         loop {
             if self.is_stopped.load(Ordering::Relaxed) || !self.compute_next() {
                 break;
@@ -90,9 +90,9 @@ impl<'f> ValuesAhead<'f> {
 }
 
 /// Lets nobody wait for a thread that has panicked.
-struct StopIfPanicking<'a, 'f>(&'a ValuesAhead<'f>);
+struct PanicGuard<'a, 'f>(&'a ValuesAhead<'f>);
 
-impl Drop for StopIfPanicking<'_, '_> {
+impl Drop for PanicGuard<'_, '_> {
     fn drop(&mut self) {
         if std::thread::panicking() {
             self.0.stop();

@@ -40,14 +40,14 @@ pub enum DrawnBy {
 }
 
 /// A picture, and what was not done as asked.
-pub(crate) struct Drawn {
+pub(crate) struct DrawnPicture {
     pub rendered: Rendered,
     pub drawn_by: DrawnBy,
     pub notes: Vec<Note>,
 }
 
 /// What is to be drawn.
-pub(crate) struct Wanted<'w> {
+pub(crate) struct DrawRequest<'w> {
     pub data: &'w Datasets,
     pub plan: &'w Plan,
     /// What it is drawn by, if not by the Plan alone.
@@ -58,11 +58,11 @@ pub(crate) struct Wanted<'w> {
 pub(crate) fn draw(
     session: &Session,
     backend: &Backend,
-    wanted: &Wanted,
+    wanted: &DrawRequest,
     options: &strahl_cpu::Options,
     show: Option<ShowStage>,
     control: &Control,
-) -> Result<Drawn, Error> {
+) -> Result<DrawnPicture, Error> {
     if show.is_some() && (*backend != Backend::Cpu || wanted.graph.is_some()) {
         return Err(Error::NoStages);
     }
@@ -91,11 +91,11 @@ pub(crate) fn draw(
 /// By the twins of the functions, or by the program where one has none.
 fn on_cpu(
     session: &Session,
-    wanted: &Wanted,
+    wanted: &DrawRequest,
     options: &strahl_cpu::Options,
     show: Option<ShowStage>,
     control: &Control,
-) -> Result<Drawn, Error> {
+) -> Result<DrawnPicture, Error> {
     if wanted.graph.is_some() {
         let mut drawn = evaluated(session, wanted, options.threads, control)?;
         drawn.notes.push(Note::GraphEvaluated);
@@ -111,7 +111,7 @@ fn on_cpu(
         }),
     };
     match drawn {
-        Ok(rendered) => Ok(Drawn {
+        Ok(rendered) => Ok(DrawnPicture {
             rendered,
             drawn_by: DrawnBy::Cpu,
             notes: Vec::new(),
@@ -129,10 +129,10 @@ fn on_cpu(
 #[cfg(feature = "graph")]
 fn evaluated(
     session: &Session,
-    wanted: &Wanted,
+    wanted: &DrawRequest,
     threads: usize,
     control: &Control,
-) -> Result<Drawn, Error> {
+) -> Result<DrawnPicture, Error> {
     let pool = session.pools().of(threads)?;
     let draw = || {
         session.with_evaluator(|evaluator| {
@@ -141,7 +141,7 @@ fn evaluated(
                 None => (evaluator.render(wanted.plan, control)?, Vec::new()),
                 Some(graph) => graph.draw(evaluator, wanted.plan, control)?,
             };
-            Ok(Drawn {
+            Ok(DrawnPicture {
                 rendered,
                 drawn_by: DrawnBy::Evaluator,
                 notes,
@@ -157,10 +157,10 @@ fn evaluated(
 #[cfg(not(feature = "graph"))]
 fn evaluated(
     _session: &Session,
-    wanted: &Wanted,
+    wanted: &DrawRequest,
     _threads: usize,
     _control: &Control,
-) -> Result<Drawn, Error> {
+) -> Result<DrawnPicture, Error> {
     match wanted.graph {
         Some(graph) => match *graph {},
         // A Plan without a file of a function has a twin of each.
@@ -185,33 +185,38 @@ fn hardware(_session: &Session) -> Option<&str> {
 fn on_gpu(
     _session: &Session,
     _adapter: Option<&str>,
-    _wanted: &Wanted,
+    _wanted: &DrawRequest,
     _control: &Control,
-) -> Result<Drawn, Error> {
+) -> Result<DrawnPicture, Error> {
     Err(Error::NoGpu)
 }
 
 #[cfg(feature = "gpu")]
 fn on_gpu(
     session: &Session,
-    adapter: Option<&str>,
-    wanted: &Wanted,
+    adapter_name: Option<&str>,
+    wanted: &DrawRequest,
     control: &Control,
-) -> Result<Drawn, Error> {
+) -> Result<DrawnPicture, Error> {
     let devices = session.devices();
-    devices.draw(adapter, wanted.data, control, |renderer| {
-        let (rendered, notes) = match wanted.graph {
+    devices.draw(adapter_name, wanted.data, control, |renderer| {
+        let (rendered, mut notes) = match wanted.graph {
             None => (renderer.render(wanted.plan, control)?, Vec::new()),
             #[cfg(feature = "graph")]
             Some(graph) => graph.draw(renderer, wanted.plan, control)?,
             #[cfg(not(feature = "graph"))]
             Some(graph) => match *graph {},
         };
-        Ok(Drawn {
+        let used = renderer.device().adapter();
+        let adapter = used.to_string();
+        // Who asks for a software renderer by name knows what it is.
+        if used.is_software && adapter_name.is_none() {
+            let adapter = adapter.clone();
+            notes.push(Note::SoftwareAdapter { adapter });
+        }
+        Ok(DrawnPicture {
             rendered,
-            drawn_by: DrawnBy::Gpu {
-                adapter: renderer.device().adapter().to_string(),
-            },
+            drawn_by: DrawnBy::Gpu { adapter },
             notes,
         })
     })

@@ -1,14 +1,14 @@
-//! What can go wrong between a path and a picture.
+//! Errors between a path and a picture.
 
 use std::path::{Path, PathBuf};
 use std::{fmt, io};
 use strahl_volume::Cancelled;
 
-/// An error of the front: which step failed and on which file.
+/// An error of this crate: the step that failed, and the file.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// Whoever asked for it ended it by its [`Control`](strahl_volume::Control).
+    /// The caller cancelled with [`Control`](strahl_volume::Control).
     #[error("cancelled")]
     Cancelled,
     /// The operating system could not find, read, create or rename a file.
@@ -19,12 +19,12 @@ pub enum Error {
         /// What the system said.
         error: io::Error,
     },
-    /// A file or folder is not what it has to be here.
+    /// A file or folder is not usable here.
     #[error("{}: {why}", .path.display())]
     NotUsable {
         /// The file or folder.
         path: PathBuf,
-        /// What it is, and what would be right.
+        /// The problem and the remedy.
         why: String,
     },
     /// The volume cannot be read, or is not one.
@@ -33,25 +33,25 @@ pub enum Error {
     /// The text of a scene file is not a scene.
     #[error(transparent)]
     Scene(#[from] strahl_scene::Error),
-    /// The scene asks for something that cannot be drawn; every reason at once.
+    /// The scene cannot be drawn; all reasons at once.
     #[error("{}{problems}", Named(.file))]
     Problems {
         /// The file that the scene comes from, if it comes from one.
         file: Option<PathBuf>,
-        /// What is wrong.
+        /// The problems.
         problems: strahl_scene::Problems,
     },
-    /// A shader function is not one, or functions cannot be linked.
+    /// A shader function is invalid, or functions cannot be linked.
     #[error(transparent)]
     Shader(#[from] strahl_shader::Error),
-    /// A graph, an edit of one, or a pattern is wrong.
+    /// A graph, an edit or a pattern is invalid.
     #[cfg(feature = "graph")]
     #[error(transparent)]
     Graph(#[from] strahl_graph::Error),
-    /// No picture was drawn.
+    /// The CPU renderer failed.
     #[error(transparent)]
     Draw(strahl_cpu::Error),
-    /// A graph, or a shader function of a file, is asked for in a build without them.
+    /// This build has neither graphs nor shader functions from files.
     #[error(
         "{}{what} is not part of this build; build with the feature `graph`",
         Named(.file)
@@ -62,30 +62,30 @@ pub enum Error {
         /// `a graph` or `a shader function`.
         what: &'static str,
     },
-    /// No picture was drawn by its program on the CPU.
+    /// The evaluator failed.
     #[cfg(feature = "graph")]
     #[error(transparent)]
     Evaluate(strahl_evaluate::Error),
-    /// No picture was drawn on the GPU.
+    /// The GPU renderer failed.
     #[cfg(feature = "gpu")]
     #[error(transparent)]
     Gpu(strahl_gpu::Error),
-    /// The GPU is asked for in a build without it.
+    /// This build has no GPU renderer.
     #[error("drawing on the GPU is not part of this build; build with the feature `gpu`")]
     NoGpu,
-    /// No volume is named, by the scene (of this file, if it comes from one) or beside it.
+    /// Neither the scene nor the caller names a volume.
     #[error(
-        "{}volume is missing; give the scene a \"volume\" with a \"path\" or a \"phantom\", or name a volume beside the scene",
+        "{}volume is missing; give the scene a \"volume\" with a \"path\" or a \"phantom\", or give a volume after the scene",
         Named(.scene)
     )]
     NoVolume {
         /// The file of the scene.
         scene: Option<PathBuf>,
     },
-    /// Stages are asked for, and the renderer (or the graph) draws pictures as a whole.
+    /// The renderer or the graph does not draw in stages.
     #[error("pictures in stages are drawn by the CPU's own ray loop only, and not by a graph")]
     NoStages,
-    /// A scene with a graph is to be drawn into a texture.
+    /// A scene with a graph cannot be drawn into a texture.
     #[error("a scene with a graph is not drawn into a texture; draw it into memory")]
     NoGraph,
     /// A picture file cannot be written.
@@ -105,9 +105,9 @@ pub enum Error {
         why: String,
     },
     /// PNG holds no depth.
-    #[error("PNG holds no depth; a picture with depth has to end in .exr")]
+    #[error("PNG cannot hold depth; use a name that ends in .exr")]
     NoDepth,
-    /// A depth that belongs to another picture.
+    /// The depth belongs to another picture.
     #[error("the depth has {numbers} numbers; it has to have one for each of {pixels} pixels")]
     DepthSize {
         /// Of the depth.
@@ -162,7 +162,7 @@ impl From<strahl_gpu::Error> for Error {
 }
 
 impl From<strahl_scene::Problems> for Error {
-    /// Those of a scene whose file is not known here.
+    /// Problems of a scene whose file is unknown.
     fn from(problems: strahl_scene::Problems) -> Error {
         Error::Problems {
             file: None,
@@ -211,7 +211,7 @@ impl Error {
     }
 }
 
-/// A file name in front of what is wrong with it.
+/// A file name before a message.
 struct Named<'a>(&'a Option<PathBuf>);
 
 impl fmt::Display for Named<'_> {
@@ -223,7 +223,7 @@ impl fmt::Display for Named<'_> {
     }
 }
 
-/// The system's words without its error number, for the cases that people meet.
+/// The system's message without its error number, for common errors.
 struct Reason<'a>(&'a io::Error);
 
 impl fmt::Display for Reason<'_> {

@@ -1,15 +1,15 @@
-//! Strahl, a volume renderer for scalar grids: a scan in, a right picture out.
+//! A volume renderer: reads CT, MR, microscopy and simulation data and draws it.
 //!
-//! The shortest way is one call; it finds the kind of file from its bytes, and preset, window and
-//! camera from the data:
+//! One call draws a file. It detects the format by content, and chooses preset, window and camera by the
+//! data:
 //!
 //! ```no_run
 //! strahl::render_file("head.nii.gz", "head.png")?;
 //! # Ok::<(), strahl::Error>(())
 //! ```
 //!
-//! [`Render`] is the same with everything that can be said: a volume from a file, from memory or a
-//! built-in [`Phantom`], a preset, a camera, a transfer function.
+//! [`Render`] gives control over everything: a volume from a file, from memory or a built-in
+//! [`Phantom`], a preset, a camera, a transfer function.
 //!
 //! ```
 //! use strahl::{Background, Method, Phantom, Render, View};
@@ -20,26 +20,26 @@
 //!     .background(Background::Transparent)
 //!     .size(80, 60)
 //!     .picture()?;
-//! // Linear, premultiplied light; `picture.save("tree.png")` makes a file of it.
+//! // The image is linear and premultiplied; `picture.save("tree.png")` writes a file.
 //! let brightest = picture.image.pixels().iter().map(|p| p[1]).fold(0.0, f32::max);
 //! assert!(brightest > 0.5);
 //! # Ok::<(), strahl::Error>(())
 //! ```
 //!
-//! Pictures that follow one another share a [`Session`]: what was read stays, and so does what was made of it.
+//! To draw several pictures, share a [`Session`]: it keeps files and derived data.
 //!
-//! # What lies below
+//! # Layers
 //!
-//! | step | what does it |
+//! | step | where |
 //! |---|---|
 //! | bytes → [`Volume`] | [`load`], the readers in [`volume::read`] |
 //! | text → [`Scene`] | [`Scene::parse`], [`SceneFile::open`] |
-//! | scene + header → [`Plan`](scene::plan::Plan) | [`scene::resolve`]: every problem at once, or none |
+//! | scene + headers → [`Plan`](scene::plan::Plan) | [`scene::resolve`], which reports all problems at once |
 //! | plan + voxels → [`Image`] | [`cpu::Renderer`] |
-//! | image → file | [`write_picture`] into an [`Output`], whole or not at all |
+//! | image → file | [`write_picture`] into an [`Output`], which never leaves an incomplete file |
 //!
-//! World space is the patient's (RAS, mm). A picture is the same, byte for byte, at any number of
-//! threads. The folder `examples` leads from a slice in the terminal to an orbit of pictures.
+//! World space is patient space (RAS, mm). A picture has the same bytes at any number of threads. The
+//! programs in the folder `examples` lead from a slice in the terminal to an orbit of pictures.
 
 #![warn(missing_docs)]
 
@@ -72,7 +72,7 @@ pub use load::{load, load_under};
 pub use note::Note;
 pub use output::{Output, abandon_outputs};
 pub use picture::{Encoding, Recipe, SOFTWARE, write_picture};
-pub use render::{Picture, Render, Shown, render_file};
+pub use render::{Picture, Render, ShownPicture, render_file};
 pub use scene_file::{SceneFile, seen_from};
 #[cfg(feature = "graph")]
 pub use scene_graph::{ReadyGraph, SceneGraph};

@@ -1,4 +1,4 @@
-//! From paths to a volume.
+//! Reads volumes from paths.
 
 use crate::Error;
 use crate::folder::{Folder, file_name};
@@ -8,19 +8,21 @@ use std::sync::{Mutex, PoisonError};
 use std::time::SystemTime;
 use std::{fs, io};
 use strahl_volume::Control;
-use strahl_volume::read::{Bytes, Files, Loaded, ReadOptions, read_file_under, read_folder_under};
+use strahl_volume::read::{
+    Bytes, Files, LoadedVolume, ReadOptions, read_file_under, read_folder_under,
+};
 
 /// Reads the volume at `path`: a file, a header with its siblings, or a folder that holds one DICOM
 /// series or numbered slices.
 ///
 /// # Errors
-/// If there is nothing at `path`, or whatever is wrong with the file, by name and field.
-pub fn load(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Loaded, Error> {
+/// If `path` does not exist, or any problem with the file; the message names file and field.
+pub fn load(path: impl AsRef<Path>, options: &ReadOptions) -> Result<LoadedVolume, Error> {
     load_under(&[path.as_ref().to_owned()], options, &Control::NONE)
 }
 
-/// Reads one volume from `paths`: as [`load`] if there is one, else the slices of one series in any
-/// order. `control` is told which share of the bytes has been read.
+/// Reads one volume from `paths`: as [`load`] for a single path, otherwise the slices of one
+/// series in any order. `control` receives the fraction of the bytes that has been read.
 ///
 /// # Errors
 /// As [`load`]; if `paths` is empty, names a file twice, or names a folder among files; `control` was cancelled.
@@ -28,7 +30,7 @@ pub fn load_under(
     paths: &[PathBuf],
     options: &ReadOptions,
     control: &Control,
-) -> Result<Loaded, Error> {
+) -> Result<LoadedVolume, Error> {
     Ok(load_seen(paths, options, control)?.0)
 }
 
@@ -37,7 +39,7 @@ pub(crate) fn load_seen(
     paths: &[PathBuf],
     options: &ReadOptions,
     control: &Control,
-) -> Result<(Loaded, Vec<Seen>), Error> {
+) -> Result<(LoadedVolume, Vec<FileState>), Error> {
     let is_folder = |path: &PathBuf| {
         let metadata = fs::metadata(path).map_err(|error| Error::path(path, error))?;
         Ok::<_, Error>(metadata.is_dir())
@@ -51,7 +53,7 @@ pub(crate) fn load_seen(
             (name, Folder::of_files(paths)?, false)
         }
     };
-    let recorded = Recorded {
+    let recorded = RecordingFiles {
         folder,
         seen: Mutex::default(),
     };
@@ -65,20 +67,20 @@ pub(crate) fn load_seen(
 }
 
 /// A file as it was when it was opened.
-pub(crate) struct Seen {
+pub(crate) struct FileState {
     path: PathBuf,
     state: Option<(u64, Option<SystemTime>)>,
 }
 
-impl Seen {
-    fn new(path: PathBuf) -> Seen {
-        Seen {
+impl FileState {
+    fn new(path: PathBuf) -> FileState {
+        FileState {
             state: state(&path),
             path,
         }
     }
 
-    /// Whether it is still the same, as far as its length and the time of its last change say.
+    /// Whether length and modification time are unchanged.
     pub fn is_same(&self) -> bool {
         self.state == state(&self.path)
     }
@@ -89,13 +91,13 @@ fn state(path: &Path) -> Option<(u64, Option<SystemTime>)> {
     Some((metadata.len(), metadata.modified().ok()))
 }
 
-/// Keeps in mind which files are opened.
-struct Recorded {
+/// Records which files are opened.
+struct RecordingFiles {
     folder: Folder,
-    seen: Mutex<BTreeMap<String, Seen>>,
+    seen: Mutex<BTreeMap<String, FileState>>,
 }
 
-impl Files for Recorded {
+impl Files for RecordingFiles {
     fn names(&self) -> Vec<String> {
         self.folder.names()
     }
@@ -109,7 +111,7 @@ impl Files for Recorded {
         // Before it is read: what changes meanwhile has changed.
         let mut seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
         seen.entry(name.to_owned())
-            .or_insert_with(|| Seen::new(path));
+            .or_insert_with(|| FileState::new(path));
         self.folder.open(name)
     }
 }

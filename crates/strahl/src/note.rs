@@ -1,8 +1,8 @@
-//! What a person should know of a picture.
+//! What a user should know about a picture.
 
 use std::fmt;
 
-/// Something worth knowing of a picture that is no failure.
+/// Something worth knowing about a picture that is not an error.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Note {
@@ -13,9 +13,14 @@ pub enum Note {
         /// Why the GPU has not.
         why: String,
     },
+    /// A software renderer has drawn, although the GPU was asked for.
+    SoftwareAdapter {
+        /// The adapter, with its driver.
+        adapter: String,
+    },
     /// The program of a graph was evaluated on the CPU.
     GraphEvaluated,
-    /// The program of a function that has no form for the CPU was evaluated there.
+    /// The program of a function that has no implementation for the CPU was evaluated there.
     FunctionEvaluated {
         /// Its name.
         function: String,
@@ -27,12 +32,15 @@ impl fmt::Display for Note {
         match self {
             Note::Data(text) => f.write_str(text),
             Note::NoGraphics { why } => write!(f, "drawn on the CPU: {why}"),
+            Note::SoftwareAdapter { adapter } => {
+                write!(f, "{adapter} is a software renderer: it draws on the CPU")
+            }
             Note::GraphEvaluated => {
                 f.write_str("the graph was evaluated on the CPU, which is exact but slow")
             }
             Note::FunctionEvaluated { function } => write!(
                 f,
-                "the function {function} has no form for the CPU: its program was evaluated there, which is exact but slow"
+                "the function {function} has no CPU implementation: its program was evaluated on the CPU, which is exact but slow"
             ),
         }
     }

@@ -1,4 +1,4 @@
-//! Files that are either complete or not there: written beside their target, then renamed.
+//! Files that are either complete or absent: written next to their target, then renamed.
 
 use crate::Error;
 use std::fs::{self, File, OpenOptions};
@@ -10,11 +10,11 @@ use std::sync::atomic::{AtomicU32, Ordering};
 /// Paths of the temporary files that exist now, for [`abandon_outputs`].
 static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
-/// A file in the making. Until [`Output::finish`] the target is as it was; dropping removes every
-/// trace.
+/// A file that is being written. Until [`Output::finish`] the target is unchanged. Dropping it
+/// removes the temporary file.
 ///
-/// The disk is not told to flush: this guards against a program that is stopped, not against a power
-/// cut.
+/// The disk is not flushed: this protects against a program that is stopped, not against a
+/// power failure.
 #[derive(Debug)]
 pub struct Output {
     target: PathBuf,
@@ -30,8 +30,8 @@ enum Kind {
 }
 
 impl Output {
-    /// Starts a file at `target`. To be called before the long work, so that a place that cannot be
-    /// written is found first.
+    /// Starts a file at `target`. Call it before long work, to detect early that the target
+    /// cannot be written.
     ///
     /// # Errors
     /// If the folder does not exist or cannot be written, or `target` is a folder.
@@ -94,7 +94,7 @@ impl Output {
         self.target.parent().unwrap_or(Path::new(""))
     }
 
-    /// Gives the file its name, over whatever was there.
+    /// Completes the file and replaces the target.
     ///
     /// # Errors
     /// If the last bytes cannot be written or the file cannot be renamed; nothing is left then.
@@ -114,7 +114,7 @@ impl Output {
     }
 }
 
-/// A new file beside the target, which goes when it is dropped.
+/// A temporary file next to the target, removed when it is dropped.
 #[derive(Debug)]
 struct Part {
     path: PathBuf,
@@ -174,19 +174,28 @@ impl Drop for Output {
     }
 }
 
+impl Output {
+    /// `error` with the name of the target.
+    fn named(&self, error: io::Error) -> io::Error {
+        io::Error::new(error.kind(), Error::path(&self.target, error))
+    }
+}
+
 impl Write for Output {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        match &mut self.kind {
+        let written = match &mut self.kind {
             Kind::Renamed(file) => file.write(bytes),
             Kind::Device(memory, _) => memory.write(bytes),
-        }
+        };
+        written.map_err(|error| self.named(error))
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        match &mut self.kind {
+        let flushed = match &mut self.kind {
             Kind::Renamed(file) => file.flush(),
             Kind::Device(..) => Ok(()),
-        }
+        };
+        flushed.map_err(|error| self.named(error))
     }
 }
 
@@ -260,6 +269,26 @@ mod tests {
         let file = folder.path().join("file");
         fs::write(&file, "").unwrap();
         assert!(Output::create(&file.join("picture.png")).is_err());
+    }
+
+    /// `/dev/full` stands in for a temporary file on a disk without space.
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_full_disk_is_reported_for_the_target() {
+        let folder = tempfile::tempdir().unwrap();
+        let target = folder.path().join("picture.png");
+        let file = OpenOptions::new().write(true).open("/dev/full").unwrap();
+        let path = folder.path().join(".strahl-1-0.part");
+        let mut output = Output {
+            target: target.clone(),
+            kind: Kind::Renamed(BufWriter::with_capacity(16, Part { path, file })),
+        };
+        let expected = format!("{}: no space is left on the device", target.display());
+        let error = output.write_all(&[0; 64]).unwrap_err();
+        assert_eq!(error.kind(), io::ErrorKind::StorageFull);
+        assert_eq!(error.to_string(), expected);
+        assert_eq!(output.write(b"x").unwrap(), 1);
+        assert_eq!(output.finish().unwrap_err().to_string(), expected);
     }
 
     #[cfg(unix)]

@@ -1,4 +1,4 @@
-//! Pictures as files: PNG to look at, EXR to work on, both with the scene that made them inside.
+//! Picture files: PNG for display, EXR for further processing. Both contain their scene.
 //!
 //! A renderer's [`Image`] is linear and premultiplied. PNG gets display numbers: colour divided by
 //! alpha, times the exposure, tone mapped, encoded in sRGB or by a power, edges smoothed if wanted,
@@ -37,8 +37,8 @@ pub enum Encoding {
 }
 
 impl Encoding {
-    /// The encoding that a file name asks for: `.png` in 8 bit or `.exr` in 32 bit, unless `bits`
-    /// says otherwise (8 or 16 for PNG, 16 or 32 for EXR).
+    /// The encoding for a file name: 8-bit `.png` or 32-bit `.exr`, unless `bits` is set (8 or
+    /// 16 for PNG, 16 or 32 for EXR).
     ///
     /// # Errors
     /// Any other name or number of bits.
@@ -72,8 +72,8 @@ impl Encoding {
 }
 
 impl Recipe {
-    /// The recipe in the picture file at `path`; `None` if the file is no PNG or EXR, or one that
-    /// does not say.
+    /// The recipe in the picture file at `path`; `None` if the file is not PNG or EXR, or has
+    /// no recipe.
     ///
     /// # Errors
     /// If the file cannot be read, or is a damaged PNG or EXR file.
@@ -102,8 +102,8 @@ impl Recipe {
 
 /// Writes `image` to `out`, which should be buffered. `display` matters for PNG only.
 ///
-/// `depth_mm` is the distance of what is seen in each pixel from the start of its ray, row by row from the top,
-/// infinite where there is nothing; EXR holds it as channel `Z` in 32 bit.
+/// `depth_mm` is the depth of each pixel, measured from the start of its ray, row by row from
+/// the top, and infinite without a hit. EXR stores it as 32-bit channel `Z`.
 ///
 /// # Errors
 /// If `out` cannot be written; a depth for PNG, or of another number of pixels.

@@ -1,8 +1,8 @@
-//! From a volume or a scene to a picture: [`Render`] and [`render_file`].
+//! Draws volumes and scenes: [`Render`] and [`render_file`].
 
-use crate::backend::{Backend, DrawnBy, Wanted, draw};
+use crate::backend::{Backend, DrawRequest, DrawnBy, draw};
 use crate::note::Note;
-use crate::scene_data::{Own, SceneData};
+use crate::scene_data::{OwnVolume, SceneData};
 use crate::scene_file::{SceneFile, seen_from};
 use crate::scene_graph::SceneGraph;
 use crate::session::Session;
@@ -21,11 +21,12 @@ use strahl_scene::{
 use strahl_volume::read::ReadOptions;
 use strahl_volume::{Control, Phantom, Volume};
 
-/// Draws the volume at `volume_path` (a file, or a folder with one DICOM series or numbered slices)
-/// into the picture `picture_path` (`.png` or `.exr`), with everything chosen from the data.
+/// Draws the volume at `volume_path` (a file, or a folder with one DICOM series or numbered
+/// slices) into the picture `picture_path` (`.png` or `.exr`), with all settings chosen by the
+/// data.
 ///
 /// # Errors
-/// Whatever is wrong with either file, by name.
+/// Any problem with either file; the message names the file.
 pub fn render_file(
     volume_path: impl AsRef<Path>,
     picture_path: impl AsRef<Path>,
@@ -33,7 +34,7 @@ pub fn render_file(
     Render::file(volume_path).save(picture_path).map(drop)
 }
 
-/// A picture in the making: a volume, and what is not left to the defaults.
+/// A builder of a picture: a volume, and the settings that differ from the defaults.
 ///
 /// ```
 /// use strahl::{Phantom, Render, View};
@@ -46,7 +47,7 @@ pub fn render_file(
 /// # Ok::<(), strahl::Error>(())
 /// ```
 ///
-/// Mistakes (an unknown preset, a size of 0) are reported by [`Render::picture`], all at once.
+/// [`Render::picture`] reports mistakes (an unknown preset, a size of 0), all at once.
 #[derive(Clone)]
 #[must_use = "nothing is drawn before `picture` or `save`"]
 pub struct Render<'a> {
@@ -63,48 +64,48 @@ pub struct Render<'a> {
 
 #[derive(Clone)]
 enum Source {
-    /// What `scene.volume` says.
+    /// The volume of `scene.volume`.
     Scene,
-    /// One volume from these files; `scene.volume` says how to read them.
+    /// One volume from these files, read with the options in `scene.volume`.
     Files(Vec<PathBuf>),
-    /// One that is in memory.
+    /// A volume in memory.
     Volume(Volume),
 }
 
-/// What `Render::draw_into` has to say of a picture that lies in a texture.
+/// The result of `Render::draw_into`: information about a picture in a texture.
 #[derive(Clone, Debug)]
-pub struct Shown {
-    /// Exposure and tone map, which whoever shows the texture applies.
+pub struct ShownPicture {
+    /// Exposure and tone map, to be applied when the texture is shown.
     pub display: plan::Display,
     /// The scene with every default filled in.
     pub scene: Scene,
     /// What the user should know.
     pub notes: Vec<Note>,
-    /// What drawing has cost.
+    /// Times and counts of drawing.
     pub stats: Stats,
     /// The renderer that has drawn.
     pub drawn_by: DrawnBy,
 }
 
-/// A picture, and how it came about.
+/// A picture, and information about it.
 #[derive(Clone, Debug)]
 pub struct Picture {
     /// Linear, premultiplied pixels, background included.
     pub image: Image,
-    /// Distance of the first hit or of a mesh from the start of each ray in mm, row by row from the top, infinite
-    /// without; only if [`Render::with_depth`] asks for it.
+    /// Distance of the first hit or of a mesh from the start of each ray in mm, row by row from
+    /// the top, infinite without a hit. `None` without [`Render::with_depth`].
     pub depth_mm: Option<Vec<f32>>,
-    /// Exposure and tone map for a file with display colours.
+    /// Exposure and tone map for a file with display colors.
     pub display: plan::Display,
-    /// The scene with every default filled in: drawing it again gives this picture.
+    /// The scene with every default filled in. Drawing it again gives the same picture.
     pub scene: Scene,
-    /// What the user should know: slices left out, fields of the file that were put right.
+    /// What the user should know, such as ignored slices and corrected fields of the file.
     pub notes: Vec<Note>,
-    /// What drawing has cost.
+    /// Times and counts of drawing.
     pub stats: Stats,
     /// The renderer that has drawn.
     pub drawn_by: DrawnBy,
-    /// Reading the volume, or computing the phantom.
+    /// Time to read the volume or to compute the phantom.
     pub read_seconds: f64,
 }
 
@@ -114,7 +115,7 @@ impl<'a> Render<'a> {
         Render::files(vec![path.as_ref().to_owned()])
     }
 
-    /// Draws the volume that several files make together: the slices of one series, in any order.
+    /// Draws the volume made of several files: the slices of one series, in any order.
     pub fn files(paths: Vec<PathBuf>) -> Render<'a> {
         Render::new(Source::Files(paths), Scene::default())
     }
@@ -130,12 +131,13 @@ impl<'a> Render<'a> {
         })
     }
 
-    /// Draws a volume that is in memory. (A picture file will not say where it came from.)
+    /// Draws a volume in memory. (A picture file then does not contain the place of its
+    /// volume.)
     pub fn volume(volume: &Volume) -> Render<'a> {
         Render::new(Source::Volume(volume.clone()), Scene::default())
     }
 
-    /// Draws a scene; its paths count from the current folder.
+    /// Draws a scene. Its paths are relative to the current folder.
     pub fn scene(scene: Scene) -> Render<'a> {
         Render::new(Source::Scene, scene)
     }
@@ -168,17 +170,17 @@ impl<'a> Render<'a> {
         self
     }
 
-    /// Takes the preset called `name`; see [`presets`](strahl_scene::presets).
+    /// Uses the preset `name`; see [`presets`](strahl_scene::presets).
     pub fn preset(self, name: &str) -> Render<'a> {
         self.with(|scene| scene.preset = Some(name.to_owned()))
     }
 
-    /// How the samples of a ray become a pixel.
+    /// Sets the composite rule: how the samples of a ray become a pixel.
     pub fn method(self, method: Method) -> Render<'a> {
         self.with(|scene| scene.method = Some(method))
     }
 
-    /// Draws the surface where the volume has this value.
+    /// Draws the surface at this value of the volume.
     pub fn surface(self, threshold: f64) -> Render<'a> {
         self.with(|scene| {
             scene.method = Some(Method::FirstHit);
@@ -186,7 +188,7 @@ impl<'a> Render<'a> {
         })
     }
 
-    /// Value → colour and opacity.
+    /// Sets the transfer function, which maps values to color and opacity.
     pub fn transfer_function(self, function: TransferFunction) -> Render<'a> {
         self.with(|scene| scene.transfer_function = Some(function))
     }
@@ -199,67 +201,67 @@ impl<'a> Render<'a> {
         })
     }
 
-    /// Where the picture is taken from.
+    /// Sets the camera.
     pub fn camera(self, camera: Camera) -> Render<'a> {
         self.with(|scene| scene.camera = Some(camera))
     }
 
-    /// Width and height in pixels.
+    /// Sets width and height in pixels.
     pub fn size(self, width: u32, height: u32) -> Render<'a> {
         self.with(|scene| scene.size = Some([width, height]))
     }
 
-    /// What is behind everything.
+    /// Sets the background.
     pub fn background(self, background: Background) -> Render<'a> {
         self.with(|scene| scene.background = Some(background))
     }
 
-    /// Cuts a part away; may be called several times.
+    /// Adds a clip, which cuts a part away.
     pub fn clip(self, clip: Clip) -> Render<'a> {
         self.with(|scene| scene.clips.get_or_insert_default().push(clip))
     }
 
-    /// Anything else: changes the scene by hand.
+    /// Changes the scene directly, for all other settings.
     pub fn with(mut self, change: impl FnOnce(&mut Scene)) -> Render<'a> {
         change(&mut self.scene);
         self
     }
 
-    /// Draws with this many threads; 0, the default, means all cores. The picture is the same.
+    /// Draws with this many threads; 0, the default, means all cores. The picture does not
+    /// depend on it.
     pub fn threads(mut self, threads: usize) -> Render<'a> {
         self.options.threads = threads;
         self
     }
 
-    /// Also finds how far away what is seen is: EXR files get a channel `Z`. Method `first-hit` and
-    /// meshes have a depth.
+    /// Also computes the depth of `first-hit` surfaces and meshes. EXR files get a channel `Z`.
     pub fn with_depth(mut self) -> Render<'a> {
         self.with_depth = true;
         self
     }
 
-    /// Draws with this renderer instead of the CPU's.
+    /// Draws with this renderer instead of the CPU renderer.
     pub fn backend(mut self, backend: Backend) -> Render<'a> {
         self.backend = backend;
         self
     }
 
-    /// Reads and draws under `control`, which is told how far that is and may end it.
+    /// Reads and draws under `control`, which receives progress and can cancel.
     pub fn control(mut self, control: &Control) -> Render<'a> {
         self.control = control.clone();
         self
     }
 
-    /// Draws in stages, each of which `show` gets with what a file of it needs: soon a coarse picture, in the end the
-    /// finished one. It has the same bytes as without. Of the CPU's renderer only
-    /// ([`strahl_cpu::Renderer::refine`]): others refuse it.
+    /// Draws in stages, from a coarse picture to the finished one. `show` gets each stage with
+    /// the settings for a file. The last stage has the same bytes as a picture drawn at once.
+    /// Only the CPU renderer ([`strahl_cpu::Renderer::refine`]) supports stages; others refuse.
     pub fn in_stages(mut self, show: ShowStage<'a>) -> Render<'a> {
         self.show = Some(show);
         self
     }
 
-    /// Draws with what `session` keeps, and leaves there what the next picture can use. Without, everything is given
-    /// up with the picture.
+    /// Draws with the data of `session`, and keeps there what the next picture can use. Without
+    /// a session, everything is dropped with the picture.
     pub fn in_session(mut self, session: &'a Session) -> Render<'a> {
         self.session = Some(session);
         self
@@ -268,7 +270,7 @@ impl<'a> Render<'a> {
     /// Reads and draws.
     ///
     /// # Errors
-    /// Whatever is wrong with the volume or the scene; it was cancelled.
+    /// Any problem with the volume or the scene; cancellation.
     pub fn picture(&self) -> Result<Picture, Error> {
         let start = Instant::now();
         let session = self.session();
@@ -281,7 +283,7 @@ impl<'a> Render<'a> {
             Some(text) => Some(SceneGraph::new(&self.graph_name(), Some(text))?),
             None => None,
         };
-        let wanted = Wanted {
+        let wanted = DrawRequest {
             data: &data.datasets(),
             plan: &plan,
             graph: graph.as_ref(),
@@ -309,14 +311,14 @@ impl<'a> Render<'a> {
         })
     }
 
-    /// Reads, and draws into a texture on the device that the session was given ([`Session::on_device`]): the picture does
-    /// not come to memory. Backend, threads and depth have no say.
+    /// Reads, and draws into a texture on the session's device ([`Session::on_device`]). The
+    /// picture does not pass through memory. Backend, threads and depth have no effect.
     ///
     /// # Errors
-    /// As [`Render::picture`]; a scene with a graph; a texture that is smaller than the picture, lies on another device or
-    /// cannot be drawn into.
+    /// As [`Render::picture`]; a scene with a graph; a texture that is smaller than the
+    /// picture, is on another device, or cannot be drawn into.
     #[cfg(feature = "gpu")]
-    pub fn draw_into(&self, target: &TextureTarget) -> Result<Shown, Error> {
+    pub fn draw_into(&self, target: &TextureTarget) -> Result<ShownPicture, Error> {
         let session = self.session();
         let data = self.data(&session)?;
         let (headers, scene) = (data.headers(), self.known_scene());
@@ -331,7 +333,7 @@ impl<'a> Render<'a> {
             let stats = renderer.render_into(&plan, target, control)?;
             Ok((stats, DrawnBy::Gpu { adapter }))
         })?;
-        Ok(Shown {
+        Ok(ShownPicture {
             display: plan.display,
             scene: settled_with(&scene, &headers),
             notes: data.notes.into_iter().map(Note::Data).collect(),
@@ -340,8 +342,8 @@ impl<'a> Render<'a> {
         })
     }
 
-    /// The scene that would be drawn, with every default filled in; reads the volume for it, and
-    /// draws nothing.
+    /// The scene that would be drawn, with every default filled in. Reads the volume and draws
+    /// nothing.
     ///
     /// # Errors
     /// As [`Render::picture`].
@@ -349,7 +351,7 @@ impl<'a> Render<'a> {
         Ok(self.settle()?.0)
     }
 
-    /// The plan of the scene, with what resolving it has read. Draws nothing.
+    /// The Plan of the scene, with the data read to resolve it. Draws nothing.
     ///
     /// # Errors
     /// As [`Render::picture`].
@@ -357,7 +359,8 @@ impl<'a> Render<'a> {
         Ok(self.settle()?.1)
     }
 
-    /// The graph that draws the scene: its own, or the standard one that its settings make, after all edits.
+    /// The graph that draws the scene, with all edits applied: its own one or the standard
+    /// graph.
     ///
     /// # Errors
     /// The text of the graph is wrong, or a file that it names cannot be read.
@@ -373,10 +376,10 @@ impl<'a> Render<'a> {
         }
     }
 
-    fn session(&self) -> SessionUsed<'a> {
+    fn session(&self) -> SessionHandle<'a> {
         match self.session {
-            Some(session) => SessionUsed::Given(session),
-            None => SessionUsed::Own(Box::default()),
+            Some(session) => SessionHandle::Given(session),
+            None => SessionHandle::Own(Box::default()),
         }
     }
 
@@ -393,11 +396,11 @@ impl<'a> Render<'a> {
         Ok((settled_with(&scene, &headers), plan))
     }
 
-    /// Draws into the file `path`: PNG in 8 bit or EXR in 32 bit, by its name.
+    /// Draws into the file `path`: 8-bit PNG or 32-bit EXR, depending on its name.
     ///
     /// # Errors
-    /// As [`Render::picture`]; if the file cannot be written, which is found before anything is
-    /// read.
+    /// As [`Render::picture`]; if the file cannot be written, which is checked before anything
+    /// is read.
     pub fn save(&self, path: impl AsRef<Path>) -> Result<Picture, Error> {
         let encoding = Encoding::for_path(path.as_ref(), None)?;
         let output = Output::create(path.as_ref())?;
@@ -406,8 +409,8 @@ impl<'a> Render<'a> {
         Ok(picture)
     }
 
-    /// The scene as far as a file can say it: several files have no name in a scene, a volume in
-    /// memory has none at all.
+    /// The scene as far as a file can contain it. A scene cannot name several files or a volume
+    /// in memory.
     fn known_scene(&self) -> Scene {
         let mut scene = self.scene.clone();
         match &self.source {
@@ -426,9 +429,9 @@ impl<'a> Render<'a> {
     }
 
     /// Which volume is the scene's own.
-    fn own(&self) -> Result<Own<'_>, Error> {
+    fn own(&self) -> Result<OwnVolume<'_>, Error> {
         let source = match (&self.source, &self.scene.volume) {
-            (Source::Volume(volume), _) => return Ok(Own::Volume(volume)),
+            (Source::Volume(volume), _) => return Ok(OwnVolume::Volume(volume)),
             (Source::Files(paths), source) => {
                 let options = match source {
                     Some(source) => self.read_options(&VolumeSource {
@@ -438,7 +441,7 @@ impl<'a> Render<'a> {
                     })?,
                     None => ReadOptions::default(),
                 };
-                return Ok(Own::Files(paths.clone(), options));
+                return Ok(OwnVolume::Files(paths.clone(), options));
             }
             (Source::Scene, Some(source)) => source,
             (Source::Scene, None) => {
@@ -451,11 +454,11 @@ impl<'a> Render<'a> {
         match source.phantom.as_deref().and_then(Phantom::from_name) {
             Some(phantom) => {
                 let dims = source.dims.unwrap_or(phantom.default_dims());
-                Ok(Own::Phantom(phantom, dims))
+                Ok(OwnVolume::Phantom(phantom, dims))
             }
             None => {
                 let path = PathBuf::from(source.path.clone().unwrap_or_default());
-                Ok(Own::Files(vec![path], options))
+                Ok(OwnVolume::Files(vec![path], options))
             }
         }
     }
@@ -470,29 +473,29 @@ impl<'a> Render<'a> {
 }
 
 /// The session that a picture is drawn in.
-enum SessionUsed<'a> {
+enum SessionHandle<'a> {
     Given(&'a Session),
     /// For this picture alone.
     Own(Box<Session>),
 }
 
-impl Deref for SessionUsed<'_> {
+impl Deref for SessionHandle<'_> {
     type Target = Session;
 
     fn deref(&self) -> &Session {
         match self {
-            SessionUsed::Given(session) => session,
-            SessionUsed::Own(session) => session,
+            SessionHandle::Given(session) => session,
+            SessionHandle::Own(session) => session,
         }
     }
 }
 
 impl Session {
-    /// Draws `scene` under `control`, on the CPU; [`Render::in_session`] is the same with everything that can be
-    /// said. The scene's paths count from the current folder.
+    /// Draws `scene` under `control`, on the CPU; [`Render::in_session`] has more settings. The
+    /// scene's paths are relative to the current folder.
     ///
     /// # Errors
-    /// Whatever is wrong with the data or the scene; it was cancelled.
+    /// Any problem with the data or the scene; cancellation.
     pub fn draw(&self, scene: &Scene, control: &Control) -> Result<Picture, Error> {
         Render::scene(scene.clone())
             .in_session(self)
@@ -502,8 +505,8 @@ impl Session {
 }
 
 impl Picture {
-    /// Writes a file with the picture and its scene, whose paths are put as seen from the file's
-    /// folder.
+    /// Writes a file with the picture and its scene. The paths in the scene become relative to
+    /// the file's folder.
     ///
     /// # Errors
     /// If the file cannot be written; nothing is left then.
@@ -521,7 +524,7 @@ impl Picture {
         output.finish()
     }
 
-    /// Writes a file: PNG in 8 bit or EXR in 32 bit, by its name.
+    /// Writes a file: 8-bit PNG or 32-bit EXR, depending on its name.
     ///
     /// # Errors
     /// If the name has another ending, or the file cannot be written.

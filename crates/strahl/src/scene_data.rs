@@ -1,4 +1,4 @@
-//! Everything that a scene names, read: volumes, masks, meshes, shader functions.
+//! Reads everything that a scene names: volumes, masks, meshes, shader functions.
 
 use crate::Error;
 use crate::folder::{Folder, file_name};
@@ -17,8 +17,8 @@ use strahl_volume::read::mesh::read_mesh_under;
 use strahl_volume::{Control, Datasets, LabelVolume, Mesh, Phantom, Volume};
 
 /// Which volume is a scene's own.
-pub(crate) enum Own<'o> {
-    /// One that is in memory.
+pub(crate) enum OwnVolume<'o> {
+    /// A volume in memory.
     Volume(&'o Volume),
     /// A phantom with as many voxels.
     Phantom(Phantom, [usize; 3]),
@@ -52,7 +52,7 @@ impl SceneData {
     pub fn load(
         session: &Session,
         scene: &Scene,
-        own: Own,
+        own: OwnVolume,
         control: &Control,
     ) -> Result<SceneData, Error> {
         let level = scene.volume.as_ref().and_then(|volume| volume.level);
@@ -76,8 +76,8 @@ impl SceneData {
             || scene.debug.is_some()
             || scene.graph.is_some();
         let own = match own {
-            Own::Volume(volume) => volume.clone(),
-            Own::Phantom(phantom, dims) => {
+            OwnVolume::Volume(volume) => volume.clone(),
+            OwnVolume::Phantom(phantom, dims) => {
                 if labels_in.is_none() && (scene.segments.is_some() || of_segments) {
                     let labels = session.phantom_labels(phantom, dims, control)?;
                     data.labels = Option::clone(&labels);
@@ -85,7 +85,7 @@ impl SceneData {
                 }
                 data.hold(session.phantom(phantom, dims, control)?)
             }
-            Own::Files(paths, options) => {
+            OwnVolume::Files(paths, options) => {
                 let read = session.volume(&paths, &options, control)?;
                 if let (true, false, None, [path]) = (
                     read.value.labels.is_some(),

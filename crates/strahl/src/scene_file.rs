@@ -1,4 +1,4 @@
-//! Scenes on disk: JSON files, and pictures that carry the scene they were made from.
+//! Scenes on disk: JSON files, and pictures that contain their scene.
 
 use crate::{Error, Recipe, scene_graph};
 use std::fs::{self, File};
@@ -11,7 +11,7 @@ use strahl_scene::{Clip, GraphText, MOST_SCENE_BYTES, Scene};
 pub struct SceneFile {
     /// The file.
     pub path: PathBuf,
-    /// The scene; its paths are put as seen from the current folder.
+    /// The scene, with paths relative to the current folder.
     pub scene: Scene,
     /// The program that made the picture, if the scene comes from one.
     pub software: Option<String>,
@@ -21,9 +21,9 @@ pub struct SceneFile {
 const HEAD_BYTES: u64 = 1 << 16;
 
 impl SceneFile {
-    /// The scene in the file at `path`: JSON with comments, or the scene inside a PNG or EXR picture.
-    /// `None` if the file is something else, which is told by its bytes; a name that ends in
-    /// `.json` makes it a scene too, for the sake of its error message.
+    /// The scene in the file at `path`: JSON with comments, or the scene in a PNG or EXR
+    /// picture. `None` if the content is something else. A file whose name ends in `.json`
+    /// always counts as a scene, so that its error message is useful.
     ///
     /// # Errors
     /// If the file cannot be read, or is meant as a scene and is not one.

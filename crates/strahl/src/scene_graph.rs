@@ -6,8 +6,8 @@ use std::fs;
 use std::io::Read;
 use std::path::Path;
 use strahl_graph::{
-    Compiled, Compiler, Edited, GraphUse, MOST_GRAPH_BYTES, Patterns, Problem, Texture, edited,
-    pre_integrated, standard,
+    CompiledGraph, Compiler, EditedGraph, GraphUse, MOST_GRAPH_BYTES, Patterns, Problem, Texture,
+    edited, pre_integrated, standard,
 };
 use strahl_program::{Functions, Table2d};
 use strahl_scene::plan::Plan;
@@ -44,7 +44,7 @@ pub(crate) fn with_paths(
 #[derive(Clone, Debug)]
 pub struct ReadyGraph {
     /// The program and its parameters.
-    pub compiled: Compiled,
+    pub compiled: CompiledGraph,
     /// What it reads beside the scene's data.
     pub textures: Vec<Table2d>,
     /// What is odd, but no error: conflicts between edits, nodes that nothing needs.
@@ -52,7 +52,7 @@ pub struct ReadyGraph {
 }
 
 /// A renderer of linked programs.
-pub(crate) trait DrawsPrograms {
+pub(crate) trait ProgramRenderer {
     /// How it reads the volumes of `plan`, and the functions that draw them.
     fn reads(&self, plan: &Plan) -> Result<(RayLoop, Functions), Error>;
 
@@ -92,12 +92,12 @@ macro_rules! draws_programs {
     };
 }
 
-impl DrawsPrograms for strahl_evaluate::Evaluator {
+impl ProgramRenderer for strahl_evaluate::Evaluator {
     draws_programs!();
 }
 
 #[cfg(feature = "gpu")]
-impl DrawsPrograms for strahl_gpu::Renderer {
+impl ProgramRenderer for strahl_gpu::Renderer {
     draws_programs!();
 }
 
@@ -127,7 +127,7 @@ impl SceneGraph {
     ///
     /// # Errors
     /// The settings have no standard graph, or an edit cannot be carried out.
-    pub fn graph(&self, plan: &Plan) -> Result<Edited, Error> {
+    pub fn graph(&self, plan: &Plan) -> Result<EditedGraph, Error> {
         let graph = match &self.asked.graph {
             Some(graph) => graph.clone(),
             None => standard(plan)?,
@@ -145,7 +145,7 @@ impl SceneGraph {
         what: &RayLoop,
         functions: &Functions,
     ) -> Result<ReadyGraph, Error> {
-        let Edited { graph, conflicts } = self.graph(plan)?;
+        let EditedGraph { graph, conflicts } = self.graph(plan)?;
         let mut compiler = Compiler::new(self.patterns.clone());
         let compiled = compiler.compile(&self.name, &graph, what, functions)?;
         let mut textures = Vec::new();
@@ -171,7 +171,7 @@ impl SceneGraph {
     }
 
     /// Draws `plan` by its graph, with what is odd about that.
-    pub(crate) fn draw<R: DrawsPrograms>(
+    pub(crate) fn draw<R: ProgramRenderer>(
         &self,
         renderer: &mut R,
         plan: &Plan,

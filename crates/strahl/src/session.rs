@@ -1,9 +1,9 @@
-//! What lives from picture to picture: data, what is made of it, devices and threads.
+//! Sessions keep data, derived data, devices and threads from picture to picture.
 
 use crate::Error;
 #[cfg(feature = "gpu")]
 use crate::devices::Devices;
-use crate::load::{Seen, load_seen};
+use crate::load::{FileState, load_seen};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 #[cfg(feature = "graph")]
@@ -16,11 +16,11 @@ use strahl_evaluate::Evaluator;
 #[cfg(feature = "graph")]
 use strahl_volume::Datasets;
 use strahl_volume::read::mesh::LoadedMesh;
-use strahl_volume::read::{Loaded, ReadOptions};
+use strahl_volume::read::{LoadedVolume, ReadOptions};
 use strahl_volume::{ContentId, Control, Counts, Key, LabelVolume, Phantom, Store, Volume};
 
-/// Draws scenes, and keeps what the next picture needs as well: the data that scenes name, what renderers make of
-/// it, the graphics device, pools of threads. It may be used by several threads at a time.
+/// Draws scenes and keeps what the next picture needs too: the data of scenes, derived data,
+/// the graphics device, and thread pools. Several threads may use it at the same time.
 ///
 /// ```
 /// use strahl::{Backend, Control, Phantom, Render, Session, View};
@@ -39,9 +39,9 @@ use strahl_volume::{ContentId, Control, Counts, Key, LabelVolume, Phantom, Store
 /// # Ok::<(), strahl::Error>(())
 /// ```
 ///
-/// A file is read again if its length or the time of its last change is another one.
+/// A file is read again if its length or modification time has changed.
 pub struct Session {
-    /// What was read, or computed in its place. Stays until [`Session::forget`].
+    /// Data that was read or computed. Stays until [`Session::forget`].
     files: Store,
     store: Arc<Store>,
     pools: Pools,
@@ -58,14 +58,14 @@ impl Default for Session {
 }
 
 impl Session {
-    /// A session that keeps up to [`Store::USUAL_BUDGET_BYTES`] of what is made of the data. A device is opened when
-    /// a picture asks for one.
+    /// A session that keeps up to [`Store::USUAL_BUDGET_BYTES`] of derived data. It opens a
+    /// device when a picture needs one.
     pub fn new() -> Session {
         Session::with_budget(Store::USUAL_BUDGET_BYTES)
     }
 
-    /// The same that keeps up to `budget_bytes`. The data itself does not count, nor does what is on a device, which has
-    /// a budget of its own (`Device::with_budget`).
+    /// A session that keeps up to `budget_bytes` of derived data. The data itself does not
+    /// count. A device has a budget of its own (`Device::with_budget`).
     pub fn with_budget(budget_bytes: usize) -> Session {
         let store = Arc::new(Store::with_budget(budget_bytes));
         Session {
@@ -79,24 +79,25 @@ impl Session {
         }
     }
 
-    /// Draws on `device` wherever a picture asks for a GPU and names none: on that of a window, say.
+    /// Draws on `device`, for example that of a window, if a picture asks for a GPU without
+    /// naming one.
     #[cfg(feature = "gpu")]
     pub fn on_device(mut self, device: strahl_gpu::Device) -> Session {
         self.devices.give(device);
         self
     }
 
-    /// What was read, or computed in place of a file, so far: volumes, labels, meshes.
+    /// Volumes, labels and meshes that were read or computed so far.
     pub fn read(&self) -> Counts {
         self.files.counts()
     }
 
-    /// What was made of the data so far.
+    /// Derived data that was computed so far.
     pub fn derived(&self) -> Counts {
         self.store.counts()
     }
 
-    /// Graphics devices that were opened so far.
+    /// Number of graphics devices that were opened so far.
     #[cfg(feature = "gpu")]
     pub fn devices_opened(&self) -> u64 {
         self.devices.opened()
@@ -107,7 +108,7 @@ impl Session {
         &self.devices
     }
 
-    /// Gives up the data, and all that was made of it, that no picture is being drawn of.
+    /// Drops data and derived data that no current picture uses.
     pub fn forget(&self) {
         self.store.clear();
         self.files.clear();
@@ -121,8 +122,8 @@ impl Session {
         &self.pools
     }
 
-    /// Has `work` done with an evaluator that nobody else uses. (Nobody waits for another: whoever waits on a thread of a
-    /// pool may have to draw a second picture meanwhile.)
+    /// Runs `work` with an evaluator that nobody else uses. (It does not wait for one: a thread
+    /// of a pool that waits may have to draw a second picture meanwhile.)
     #[cfg(feature = "graph")]
     pub(crate) fn with_evaluator<R>(&self, work: impl FnOnce(&mut Evaluator) -> R) -> R {
         let all = || {
@@ -139,14 +140,14 @@ impl Session {
         done
     }
 
-    /// The volume in `paths`, read unless it is known.
+    /// The volume in `paths`, read if necessary.
     pub(crate) fn volume(
         &self,
         paths: &[PathBuf],
         options: &ReadOptions,
         control: &Control,
-    ) -> Result<Arc<Read<Loaded>>, Error> {
-        let key = VolumeAt {
+    ) -> Result<Arc<Read<LoadedVolume>>, Error> {
+        let key = VolumeKey {
             files: States::of(paths)?,
             options: options.clone(),
         };
@@ -156,10 +157,10 @@ impl Session {
         })
     }
 
-    /// The label volume in the file `path`, with what reading it had to say.
+    /// The label volume in the file `path`, with the notes of its reader.
     pub(crate) fn labels(&self, path: &str, control: &Control) -> Result<Arc<ReadLabels>, Error> {
         let paths = [PathBuf::from(path)];
-        let key = LabelsAt(States::of(&paths)?);
+        let key = LabelsKey(States::of(&paths)?);
         self.found(&key, control, || {
             let (loaded, seen) = load_seen(&paths, &ReadOptions::default(), control)?;
             let labels = LabelVolume::from_volume(loaded.volume, loaded.labels.unwrap_or_default());
@@ -179,7 +180,7 @@ impl Session {
         labels: &LabelVolume,
         control: &Control,
     ) -> Result<Arc<Volume>, Error> {
-        let key = MaskAt {
+        let key = MaskKey {
             files: States::of(&[path.into()])?,
             ids: ids.to_owned(),
         };
@@ -187,14 +188,14 @@ impl Session {
         self.store.find(&key, control, make)
     }
 
-    /// The mesh that `read` gives of the file `path`, unless it is known.
+    /// The mesh in the file `path`, read by `read` if necessary.
     pub(crate) fn mesh(
         &self,
         path: &Path,
         control: &Control,
         read: impl FnOnce() -> Result<LoadedMesh, Error>,
     ) -> Result<Arc<Read<LoadedMesh>>, Error> {
-        let key = MeshAt(States::of(&[path.to_owned()])?);
+        let key = MeshKey(States::of(&[path.to_owned()])?);
         self.found(&key, control, || {
             Ok(Read {
                 value: read()?,
@@ -203,7 +204,7 @@ impl Session {
         })
     }
 
-    /// A phantom, computed unless it is known.
+    /// A phantom, computed if necessary.
     pub(crate) fn phantom(
         &self,
         phantom: Phantom,
@@ -211,7 +212,7 @@ impl Session {
         control: &Control,
     ) -> Result<Arc<Volume>, Error> {
         let make = || Ok::<_, Error>(phantom.volume_under(dims, control)?);
-        self.files.find(&PhantomOf(phantom, dims), control, make)
+        self.files.find(&PhantomKey(phantom, dims), control, make)
     }
 
     /// The labels of a phantom that has some, computed unless they are known.
@@ -222,7 +223,7 @@ impl Session {
         control: &Control,
     ) -> Result<Arc<Option<LabelVolume>>, Error> {
         let make = || Ok::<_, Error>(phantom.labels(dims)?);
-        let key = PhantomLabelsOf(phantom, dims);
+        let key = PhantomLabelsKey(phantom, dims);
         self.files.find(&key, control, make)
     }
 
@@ -234,18 +235,18 @@ impl Session {
         control: &Control,
     ) -> Result<Arc<Volume>, Error> {
         let make = || Ok::<_, Error>(volume.at_level_under(level, control)?);
-        let key = LevelOf(volume.id(), level);
+        let key = LevelKey(volume.id(), level);
         self.store.find(&key, control, make)
     }
 
-    /// What is known under `key`, if the files that it was read from are still the same, else what `read` gives.
+    /// The entry of `key` if its files have not changed, otherwise the result of `read`.
     fn found<T, K: Key<Value = Read<T>>>(
         &self,
         key: &K,
         control: &Control,
         read: impl FnOnce() -> Result<Read<T>, Error>,
     ) -> Result<Arc<Read<T>>, Error> {
-        let is_old = |known: Arc<Read<T>>| !known.seen.iter().all(Seen::is_same);
+        let is_old = |known: Arc<Read<T>>| !known.seen.iter().all(FileState::is_same);
         if self.files.get(key).is_some_and(is_old) {
             self.files.remove(key);
         }
@@ -256,13 +257,13 @@ impl Session {
 /// Something that was read, and the files that were opened for it.
 pub(crate) struct Read<T> {
     pub value: T,
-    seen: Vec<Seen>,
+    seen: Vec<FileState>,
 }
 
-/// Labels, and what reading them had to say.
+/// Labels, and the notes of their reader.
 pub(crate) type ReadLabels = Read<(LabelVolume, Vec<String>)>;
 
-/// Files and folders that were named, as they are now.
+/// The current state of files and folders that were named.
 #[derive(Clone, PartialEq)]
 struct States(Vec<(PathBuf, u64, Option<SystemTime>)>);
 
@@ -279,25 +280,25 @@ impl States {
 }
 
 #[derive(Clone, PartialEq)]
-struct VolumeAt {
+struct VolumeKey {
     files: States,
     options: ReadOptions,
 }
 
-impl Key for VolumeAt {
-    type Value = Read<Loaded>;
+impl Key for VolumeKey {
+    type Value = Read<LoadedVolume>;
 
     const NAME: &str = "volumes";
 
-    fn bytes(&self, value: &Read<Loaded>) -> usize {
+    fn bytes(&self, value: &Read<LoadedVolume>) -> usize {
         value.value.volume.samples().as_bytes().len()
     }
 }
 
 #[derive(Clone, PartialEq)]
-struct LabelsAt(States);
+struct LabelsKey(States);
 
-impl Key for LabelsAt {
+impl Key for LabelsKey {
     type Value = ReadLabels;
 
     const NAME: &str = "labels";
@@ -308,12 +309,12 @@ impl Key for LabelsAt {
 }
 
 #[derive(Clone, PartialEq)]
-struct MaskAt {
+struct MaskKey {
     files: States,
     ids: Vec<u32>,
 }
 
-impl Key for MaskAt {
+impl Key for MaskKey {
     type Value = Volume;
 
     const NAME: &str = "masks of labels";
@@ -324,9 +325,9 @@ impl Key for MaskAt {
 }
 
 #[derive(Clone, PartialEq)]
-struct MeshAt(States);
+struct MeshKey(States);
 
-impl Key for MeshAt {
+impl Key for MeshKey {
     type Value = Read<LoadedMesh>;
 
     const NAME: &str = "meshes";
@@ -338,9 +339,9 @@ impl Key for MeshAt {
 }
 
 #[derive(Clone, PartialEq)]
-struct PhantomLabelsOf(Phantom, [usize; 3]);
+struct PhantomLabelsKey(Phantom, [usize; 3]);
 
-impl Key for PhantomLabelsOf {
+impl Key for PhantomLabelsKey {
     type Value = Option<LabelVolume>;
 
     const NAME: &str = "labels of phantoms";
@@ -353,9 +354,9 @@ impl Key for PhantomLabelsOf {
 }
 
 #[derive(Clone, PartialEq)]
-struct PhantomOf(Phantom, [usize; 3]);
+struct PhantomKey(Phantom, [usize; 3]);
 
-impl Key for PhantomOf {
+impl Key for PhantomKey {
     type Value = Volume;
 
     const NAME: &str = "phantoms";
@@ -366,9 +367,9 @@ impl Key for PhantomOf {
 }
 
 #[derive(Clone, PartialEq)]
-struct LevelOf(ContentId, f64);
+struct LevelKey(ContentId, f64);
 
-impl Key for LevelOf {
+impl Key for LevelKey {
     type Value = Volume;
 
     const NAME: &str = "coarser levels";

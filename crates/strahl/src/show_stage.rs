@@ -1,4 +1,4 @@
-//! What is told of a picture in stages.
+//! Reports of a picture in stages.
 
 use std::ops::ControlFlow;
 use strahl_scene::{Image, plan};

@@ -73,16 +73,16 @@ impl Ranges {
 
 /// Key of the bricks of a volume.
 #[derive(Clone, Debug, PartialEq)]
-pub struct BricksOf {
+pub struct BricksKey {
     volume: ContentId,
     edge: usize,
     reach: usize,
 }
 
-impl BricksOf {
+impl BricksKey {
     /// Those that [`Bricks::with_reach`] makes.
-    pub fn new(volume: &Volume, edge: usize, reach: usize) -> BricksOf {
-        BricksOf {
+    pub fn new(volume: &Volume, edge: usize, reach: usize) -> BricksKey {
+        BricksKey {
             volume: volume.id(),
             edge,
             reach,
@@ -90,13 +90,13 @@ impl BricksOf {
     }
 }
 
-impl Key for BricksOf {
+impl Key for BricksKey {
     type Value = Bricks;
 
     const NAME: &str = "bricks";
 
     fn bytes(&self, value: &Bricks) -> usize {
-        size_of::<(BricksOf, Bricks)>() + value.bytes()
+        size_of::<(BricksKey, Bricks)>() + value.bytes()
     }
 }
 

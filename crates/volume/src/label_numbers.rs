@@ -26,9 +26,9 @@ pub struct BorderCells {
 
 /// Key of the numbers of a label volume's ids.
 #[derive(Clone, Debug, PartialEq)]
-pub struct LabelNumbersOf(pub ContentId);
+pub struct LabelNumbersKey(pub ContentId);
 
-impl Key for LabelNumbersOf {
+impl Key for LabelNumbersKey {
     type Value = LabelNumbers;
 
     const NAME: &str = "numbers of labels";

@@ -1,13 +1,14 @@
-//! What is stored: scalar grids and labels, the files they come from, phantoms, min/max bricks.
+//! Volumes, label volumes and meshes, with readers, writers, phantoms and min/max bricks.
 //!
-//! A [`Volume`] is samples on a [`Grid`]. Samples keep the type of their file ([`Samples`]); a
-//! *value* is the rescaled number ([`Rescale`]), HU for CT. The grid's `world_from_voxel` places
-//! voxel centres (whole-number indices) in patient RAS millimetres.
+//! - A [`Volume`] has samples on a [`Grid`]. Samples keep the type of their file ([`Samples`]). A
+//!   *value* is a rescaled sample ([`Rescale`]), such as HU for CT.
+//! - `world_from_voxel` of the grid maps voxel indices to patient space, RAS, in millimeters. Voxel
+//!   centers have whole-number indices.
+//! - A [`Mesh`] is a surface of triangles in the same space; [`read::mesh`] reads meshes.
+//! - [`read`] detects the format of a file by its content. A reader accesses files only through
+//!   [`read::Files`], so it works on folders, uploads and memory alike.
 //!
-//! A [`Mesh`] is a surface of triangles in the same world; [`read::mesh`] reads them.
-//!
-//! This crate knows no other crate of the workspace, no file system (a reader gets [`read::Files`]),
-//! no picture and no GPU.
+//! This crate depends on no other crate of the workspace, on no file system and on no GPU.
 //!
 //! ```
 //! use strahl_volume::read::{MemoryFiles, ReadOptions, read_file};
@@ -52,15 +53,15 @@ pub use control::{Cancelled, Control, Parts, Work};
 pub use datasets::Datasets;
 pub use error::{Error, ErrorKind, Remedy};
 pub use grid::{Grid, voxel_count};
-pub use label_numbers::{BorderCells, LabelNumbers, LabelNumbersOf};
+pub use label_numbers::{BorderCells, LabelNumbers, LabelNumbersKey};
 pub use labels::{Label, LabelIds, LabelVolume};
 pub use mesh::Mesh;
 pub use phantom::Phantom;
-pub use prefilter::CoefficientsOf;
+pub use prefilter::CoefficientsKey;
 pub use rescale::Rescale;
 pub use samples::{Sample, SampleType, Samples};
 pub use statistics::Statistics;
 pub use stopwatch::Stopwatch;
 pub use store::{Counts, Key, Store};
-pub use values::ValuesOf;
+pub use values::ValuesKey;
 pub use volume::{Metadata, Modality, Volume, VolumeHeader};

@@ -101,9 +101,9 @@ impl Volume {
 
 /// Key of the [`b_spline_coefficients`](Volume::b_spline_coefficients) of a volume.
 #[derive(Clone, Debug, PartialEq)]
-pub struct CoefficientsOf(pub ContentId);
+pub struct CoefficientsKey(pub ContentId);
 
-impl Key for CoefficientsOf {
+impl Key for CoefficientsKey {
     type Value = Volume;
 
     const NAME: &str = "B-spline coefficients";

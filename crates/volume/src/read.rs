@@ -48,7 +48,7 @@ use watched::{Watched, uncancelled};
 
 pub(crate) use input::Input;
 pub use input::{Bytes, Files, MemoryFiles};
-pub use loaded::Loaded;
+pub use loaded::LoadedVolume;
 pub use options::{RawLayout, ReadOptions};
 
 /// Reads the volume that starts with the file `name` of `files` (a header may name siblings).
@@ -57,7 +57,11 @@ pub use options::{RawLayout, ReadOptions};
 ///
 /// # Errors
 /// Whatever is wrong with the file, with its name in front.
-pub fn read_file(name: &str, files: &dyn Files, options: &ReadOptions) -> Result<Loaded, Error> {
+pub fn read_file(
+    name: &str,
+    files: &dyn Files,
+    options: &ReadOptions,
+) -> Result<LoadedVolume, Error> {
     let in_file = |error: Error| error.in_file(name);
     let bytes = files.open(name).map_err(|error| in_file(error.into()))?;
     let input = Input {
@@ -74,7 +78,11 @@ pub fn read_file(name: &str, files: &dyn Files, options: &ReadOptions) -> Result
 ///
 /// # Errors
 /// Whatever is wrong with the files; no volume in them; several, none picked by `options.series`.
-pub fn read_folder(name: &str, files: &dyn Files, options: &ReadOptions) -> Result<Loaded, Error> {
+pub fn read_folder(
+    name: &str,
+    files: &dyn Files,
+    options: &ReadOptions,
+) -> Result<LoadedVolume, Error> {
     folder(name, files, options).map_err(|error| error.in_file(name))
 }
 
@@ -88,7 +96,7 @@ pub fn read_file_under(
     files: &dyn Files,
     options: &ReadOptions,
     control: &Control,
-) -> Result<Loaded, Error> {
+) -> Result<LoadedVolume, Error> {
     let read = read_file(name, &Watched::new(files, control), options);
     counted(read, control)
 }
@@ -102,18 +110,18 @@ pub fn read_folder_under(
     files: &dyn Files,
     options: &ReadOptions,
     control: &Control,
-) -> Result<Loaded, Error> {
+) -> Result<LoadedVolume, Error> {
     let read = read_folder(name, &Watched::new(files, control), options);
     counted(read, control)
 }
 
-fn counted(read: Result<Loaded, Error>, control: &Control) -> Result<Loaded, Error> {
+fn counted(read: Result<LoadedVolume, Error>, control: &Control) -> Result<LoadedVolume, Error> {
     let loaded = uncancelled(read, control)?;
     loaded.volume.statistics_under(control)?;
     Ok(loaded)
 }
 
-fn read_input(input: &Input, options: &ReadOptions) -> Result<Loaded, Error> {
+fn read_input(input: &Input, options: &ReadOptions) -> Result<LoadedVolume, Error> {
     let kind = sniff::kind(input.bytes)?;
     match kind {
         Some(Kind::Packed(encoding)) => {
@@ -137,7 +145,7 @@ fn read_input(input: &Input, options: &ReadOptions) -> Result<Loaded, Error> {
     }
 }
 
-fn read_kind(kind: Kind, input: &Input, options: &ReadOptions) -> Result<Loaded, Error> {
+fn read_kind(kind: Kind, input: &Input, options: &ReadOptions) -> Result<LoadedVolume, Error> {
     if let Some((format, open)) = left_open(kind) {
         options.check(format, open)?;
     }
@@ -210,7 +218,7 @@ fn not_read(Foreign { what, instead }: Foreign) -> Error {
 }
 
 /// The bytes say nothing, or not enough: the name decides.
-fn read_unknown(input: &Input, options: &ReadOptions) -> Result<Loaded, Error> {
+fn read_unknown(input: &Input, options: &ReadOptions) -> Result<LoadedVolume, Error> {
     let name = input.name.to_ascii_lowercase();
     let is_raw = options.raw.dims.is_some()
         || name.ends_with(".raw")
@@ -245,8 +253,9 @@ fn header_of_samples(input: &Input) -> Option<String> {
     nifti::sibling(input, stem, ".hdr").or_else(|| nifti::sibling(input, stem, ".hdr.gz"))
 }
 
-fn folder(name: &str, files: &dyn Files, options: &ReadOptions) -> Result<Loaded, Error> {
+fn folder(name: &str, files: &dyn Files, options: &ReadOptions) -> Result<LoadedVolume, Error> {
     let (mut has_dicom, mut pictures, mut others) = (false, Vec::new(), Vec::new());
+    let mut volumes = Vec::new();
     for file in files.names() {
         let bytes = files
             .open(&file)
@@ -254,7 +263,12 @@ fn folder(name: &str, files: &dyn Files, options: &ReadOptions) -> Result<Loaded
         match content(&*bytes).map_err(|e| e.in_file(&file))? {
             Some(Kind::Dicom | Kind::MaybeDicom) => has_dicom = true,
             Some(Kind::Tiff | Kind::Png | Kind::Bmp | Kind::Jpeg) => pictures.push(file),
-            _ => others.push(file),
+            kind => {
+                if kind.is_some_and(|kind| kind.is_volume()) {
+                    volumes.push(file.clone());
+                }
+                others.push(file);
+            }
         }
     }
     let below = match has_dicom || !pictures.is_empty() {
@@ -285,13 +299,34 @@ fn folder(name: &str, files: &dyn Files, options: &ReadOptions) -> Result<Loaded
         loaded.notes.extend(slices::note_of_others(&others));
         return Ok(loaded);
     }
-    let why = match others.len() {
-        0 => no_files(&below),
-        n => format!(
-            "the folder holds {n} files, none of them DICOM or a picture (TIFF, PNG, BMP, JPEG); name a single file to read another format"
+    let why = match (volumes.is_empty(), others.is_empty()) {
+        (false, _) => volumes_in_folder(&volumes),
+        (true, true) => no_files(&below),
+        (true, false) => format!(
+            "the folder has no volume that can be read as a folder: {} and no DICOM file or picture (TIFF, PNG, BMP, JPEG); name a single file to read another format",
+            numbered(others.len(), "file")
         ),
     };
     Err(ErrorKind::Unknown { why }.into())
+}
+
+/// Why a folder of volume files is not read: the caller has to choose one of them.
+fn volumes_in_folder(volumes: &[String]) -> String {
+    const SHOWN: usize = 8;
+    let names = volumes[..volumes.len().min(SHOWN)].join(", ");
+    let more = if volumes.len() > SHOWN { ", …" } else { "" };
+    format!(
+        "the folder has {}: {names}{more}; name the one to read (only DICOM series and sequences of pictures are read as folders)",
+        numbered(volumes.len(), "volume file")
+    )
+}
+
+/// `1 file`, `2 files`.
+fn numbered(count: usize, noun: &str) -> String {
+    match count {
+        1 => format!("1 {noun}"),
+        _ => format!("{count} {noun}s"),
+    }
 }
 
 /// The kind of a file, or of what is packed in it.
@@ -299,8 +334,9 @@ fn content(bytes: &dyn Bytes) -> Result<Option<Kind>, Error> {
     match sniff::kind(bytes)? {
         Some(Kind::Packed(encoding @ block::Encoding::Gzip)) => {
             let start = block::head(bytes, 0, encoding, sniff::HEAD_BYTES)?;
-            let inside = sniff::kind(&start)?.filter(|kind| *kind == Kind::Dicom);
-            Ok(inside.or(Some(Kind::Packed(encoding))))
+            let inside = sniff::kind(&start)?;
+            let is_known = |kind: &Kind| *kind == Kind::Dicom || kind.is_volume();
+            Ok(inside.filter(is_known).or(Some(Kind::Packed(encoding))))
         }
         kind => Ok(kind),
     }

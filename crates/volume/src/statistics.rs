@@ -40,19 +40,45 @@ impl Statistics {
     /// The value below which a share `quantile` (0 to 1) of the counted samples lies, to the
     /// accuracy of one bin.
     pub fn quantile(&self, quantile: f64) -> f64 {
+        let [lo, hi] = self.range;
+        match self.bin_of(quantile) {
+            Some((bin, inside)) => {
+                lo + (hi - lo) * (bin as f64 + inside) / self.histogram.len() as f64
+            }
+            None => hi,
+        }
+    }
+
+    /// [`Statistics::quantile`] for samples of a whole-number type with this slope: the value of a
+    /// whole stored number, and for types of at most 8 bits the exact quantile.
+    pub fn whole_quantile(&self, quantile: f64, slope: f64) -> f64 {
+        let [lo, hi] = self.range;
+        let Some((bin, inside)) = self.bin_of(quantile) else {
+            return hi;
+        };
+        // In stored numbers, counted from the one that `lo` is the value of.
+        let last = ((hi - lo) / slope.abs()).round();
+        let bin_width = last / self.histogram.len() as f64;
+        let first_in_bin = (bin as f64 * bin_width - 1e-9).ceil();
+        let number = ((bin as f64 + inside) * bin_width)
+            .floor()
+            .max(first_in_bin);
+        lo + number.min(last) * slope.abs()
+    }
+
+    /// The bin that a quantile lies in, and how far into it, 0 to 1. `None` if nothing was counted.
+    fn bin_of(&self, quantile: f64) -> Option<(usize, f64)> {
         let total: u64 = self.histogram.iter().sum();
         let wanted = quantile.clamp(0.0, 1.0) * total as f64;
-        let [lo, hi] = self.range;
         let mut below = 0.0;
         for (bin, &count) in self.histogram.iter().enumerate() {
             let count = count as f64;
             if count > 0.0 && below + count >= wanted {
-                let inside = (wanted - below) / count;
-                return lo + (hi - lo) * (bin as f64 + inside) / self.histogram.len() as f64;
+                return Some((bin, (wanted - below) / count));
             }
             below += count;
         }
-        hi
+        None
     }
 }
 
@@ -189,6 +215,33 @@ impl Bins {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Quantiles of whole numbers are found by sorting.
+    #[test]
+    fn quantiles_of_whole_numbers_occur_in_the_data() {
+        let bytes: Vec<u8> = (0..1000).map(|i| (i * i % 251) as u8).collect();
+        let mut sorted = bytes.clone();
+        sorted.sort_unstable();
+        for (slope, intercept) in [(1.0, 0.0), (0.5, -3.0)] {
+            let rescale = Rescale::new(slope, intercept);
+            let statistics = Statistics::of(&Samples::U8(bytes.clone()), rescale);
+            for percent in [1, 25, 50, 75, 99] {
+                let expected = rescale.value(f64::from(sorted[percent * 10 - 1]));
+                let found = statistics.whole_quantile(percent as f64 / 100.0, slope);
+                assert_eq!(found, expected, "{percent} %");
+            }
+        }
+        // Few numbers in many bins, and many numbers in few.
+        let ids: Vec<u16> = [[0u16; 90], [3; 90], [7; 90]].concat();
+        let statistics = Statistics::of(&Samples::U16(ids), Rescale::IDENTITY);
+        let found = [0.1, 0.5, 0.9].map(|share| statistics.whole_quantile(share, 1.0));
+        assert_eq!(found, [0.0, 3.0, 7.0]);
+        let wide: Vec<i16> = (-30_000..30_000).collect();
+        let statistics = Statistics::of(&Samples::I16(wide), Rescale::IDENTITY);
+        let found = statistics.whole_quantile(0.25, 1.0);
+        assert_eq!(found.fract(), 0.0);
+        assert!((found + 15_000.0).abs() < 60.0, "{found}");
+    }
 
     /// Counting per number must say what going over the values says.
     #[test]

@@ -25,9 +25,9 @@ impl Volume {
 
 /// Key of the [values](Volume::values_under) of a volume.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ValuesOf(pub ContentId);
+pub struct ValuesKey(pub ContentId);
 
-impl Key for ValuesOf {
+impl Key for ValuesKey {
     type Value = Volume;
 
     const NAME: &str = "values of masks";

@@ -10,7 +10,7 @@ const MODES: [&str; 4] = ["unshaded", "shaded", "mip", "first-hit"];
 
 /// What a benchmark is asked for.
 #[derive(clap::Args)]
-pub struct Asked {
+pub struct CaseFilter {
     /// Only this case of bench/cases.json.
     #[arg(long)]
     case: Option<String>,
@@ -19,7 +19,7 @@ pub struct Asked {
     mode: Option<String>,
 }
 
-impl Asked {
+impl CaseFilter {
     /// The names of the cases whose scans are there; says which are not.
     ///
     /// # Errors

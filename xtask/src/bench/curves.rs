@@ -46,8 +46,8 @@ pub fn run(root: &Path, arguments: &Arguments) -> Result<bool> {
     let program = built_example(root, "strahl-cpu", "cost_curves")?;
     let mut body = format!(
         "    cargo xtask bench-curves\n\n\
-         Medians of {} frames of a phantom of 8 bits. Where a quantity is not that of the curve it is: 256³ voxels, 512² \
-         pixels, a step of one voxel, two threads.\n",
+         Medians of {} frames of an 8-bit phantom. Each curve varies one quantity; the others are 256³ voxels, 512² \
+         pixels, a step of one voxel, and two threads.\n",
         arguments.frames
     );
     for (curve, x, heading, is_plotted) in CURVES {
@@ -107,9 +107,9 @@ pub fn run(root: &Path, arguments: &Arguments) -> Result<bool> {
 /// Of 512² pixels in single precision.
 const PICTURE_KIB: f64 = 4.0 * 1024.0;
 
-const MEMORY_NOTE: &str = "The most memory that a process has had which makes a phantom, prepares it and draws it \
-    unshaded, shaded and as MIP, at 512²; the last column leaves out the program itself, which is what is there beside the \
-    samples when the phantom has been made, and the picture.";
+const MEMORY_NOTE: &str = "Peak memory of a process that computes a phantom, prepares it, and draws it unshaded, shaded \
+    and as MIP, at 512². The last column excludes the picture and the program itself, which is the memory in addition to the \
+    samples after the phantom was computed.";
 
 /// A line of the example.
 struct Point {

@@ -1,6 +1,6 @@
 //! `cargo xtask bench-peers`: frame times and errors beside VTK's ray caster for processors.
 
-use super::cases::{Asked, title};
+use super::cases::{CaseFilter, title};
 use super::pictures::{Difference, Picture};
 use super::{Table, median, milliseconds, number, numbers, only_line, publish};
 use crate::apt;
@@ -22,7 +22,7 @@ const CONVERGED: f64 = 16.0;
 #[derive(clap::Args)]
 pub struct Arguments {
     #[command(flatten)]
-    asked: Asked,
+    asked: CaseFilter,
     /// Pictures of one orbit.
     #[arg(long, default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..))]
     frames: u32,
@@ -73,7 +73,7 @@ pub fn run(root: &Path, arguments: &Arguments) -> Result<bool> {
             body += &times;
         }
     }
-    let title = "The CPU beside VTK";
+    let title = "CPU renderer compared with VTK";
     publish(root, "peers", title, &body, arguments.write)?;
     Ok(true)
 }
@@ -111,7 +111,7 @@ struct Sampling {
 }
 
 /// A case sampled otherwise, and what VTK's and Strahl's errors are then.
-struct Otherwise<'a> {
+struct ResampledCase<'a> {
     case: &'a str,
     mode: &'a str,
     sampling: Sampling,
@@ -240,10 +240,10 @@ impl Peers {
         }
         Ok(format!(
             "    cargo xtask bench-peers\n\n\
-             Times of frames: medians of {} rounds of {} frames, the renderers in turns. {version} is its \
-             `vtkFixedPointVolumeRayCastMapper`, with the camera, transfer function and step of `bench/cases.json`. \
-             *First* is from the decoded volume to the first picture (medians of the rounds). VTK draws into a window, off screen: a frame \
-             of it takes {} with nothing in it. {}\n\n{}",
+             Frame times are medians of {} rounds of {} frames, with both renderers alternating. {version} draws with its \
+             `vtkFixedPointVolumeRayCastMapper`. Camera, transfer function and step come from `bench/cases.json`. *First* is the \
+             time from the decoded volume to the first picture (median of the rounds). VTK draws into an off-screen window; an empty \
+             frame takes {}. {}\n\n{}",
             arguments.rounds,
             arguments.frames,
             milliseconds(median(&window)),
@@ -288,7 +288,7 @@ impl Peers {
     }
 
     /// The table of times where Strahl samples otherwise than once per voxel.
-    fn times_otherwise(&self, arguments: &Arguments, others: &[Otherwise]) -> Result<String> {
+    fn times_otherwise(&self, arguments: &Arguments, others: &[ResampledCase]) -> Result<String> {
         let mut table = Table::new(&[
             "case",
             "Strahl's sampling",
@@ -300,7 +300,7 @@ impl Peers {
             "ratio",
         ]);
         let threads = arguments.threads.iter().copied().max().unwrap_or(1);
-        for Otherwise {
+        for ResampledCase {
             case,
             mode,
             sampling,
@@ -333,7 +333,7 @@ impl Peers {
         &self,
         cases: &[&'a str],
         modes: &[&'a str],
-    ) -> Result<(String, Vec<Otherwise<'a>>)> {
+    ) -> Result<(String, Vec<ResampledCase<'a>>)> {
         let mut others = Vec::new();
         let mut table = Table::new(&[
             "case",
@@ -374,7 +374,7 @@ impl Peers {
                 let error =
                     |sampling| anyhow::Ok(strahl(sampling, "display")?.difference(&ours)?.rms);
                 let mut add = |sampling, rms| {
-                    others.push(Otherwise {
+                    others.push(ResampledCase {
                         case,
                         mode,
                         sampling,

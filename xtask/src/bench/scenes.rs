@@ -96,15 +96,15 @@ pub fn run(root: &Path, arguments: &Arguments) -> Result<bool> {
     }
     let body = format!(
         "    cargo xtask bench-scenes --baseline {}\n\n\
-         The scenes of `{EXAMPLE}`, 256² pixels of phantoms with up to 128 voxels along an edge, on {} threads: medians of {} \
-         rounds of {} frames, both commits in turns. At least {ALLOWED} × is asked for.\n\n{}",
+         The scenes of `{EXAMPLE}`: phantoms with up to 128 voxels along an edge, 256² pixels, {} threads. Medians of {} \
+         rounds of {} frames, with both commits alternating. The goal is at least {ALLOWED} ×.\n\n{}",
         arguments.baseline, arguments.threads, arguments.rounds, arguments.frames, table.text
     );
     println!("{body}");
     publish(
         root,
         "scenes",
-        "Other scenes, before and now",
+        "Scenes compared with an older commit",
         &body,
         arguments.write,
     )?;

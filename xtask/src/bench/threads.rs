@@ -1,6 +1,6 @@
 //! `cargo xtask bench-threads`: what more threads gain, beside what the machine has to give.
 
-use super::cases::{Asked, title};
+use super::cases::{CaseFilter, title};
 use super::{Table, milliseconds, numbers, only_line, publish};
 use crate::older_commit::built_example;
 use anyhow::{Context, Result, anyhow};
@@ -13,7 +13,7 @@ use std::thread;
 #[derive(clap::Args)]
 pub struct Arguments {
     #[command(flatten)]
-    asked: Asked,
+    asked: CaseFilter,
     /// Pictures of one orbit.
     #[arg(long, default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..))]
     frames: u32,
@@ -108,19 +108,13 @@ pub fn run(root: &Path, arguments: &Arguments) -> Result<bool> {
     table.row(&["mean", "", "", "", &by_processes, &by_threads]);
     let body = format!(
         "    cargo xtask bench-threads\n\n\
-         Times of a frame: of each of {frames} frames of an orbit the shortest of {rounds} rounds, in which one thread, {threads} processes at \
-         once with one thread each, and {threads} threads have their turns; their mean. The last columns are times as many pictures \
-         in the same time as one thread makes: by separate processes, which share nothing but the machine, and by threads.\n\n{}",
+         Frame times are means over {frames} frames of an orbit, each the shortest of {rounds} rounds. In a round, one thread, {threads} processes \
+         with one thread each at the same time, and {threads} threads alternate. The last columns are the throughput relative to \
+         one thread: of separate processes, which share only the machine, and of threads.\n\n{}",
         table.text
     );
     println!("{body}");
-    publish(
-        root,
-        "threads",
-        "From one thread to more",
-        &body,
-        arguments.write,
-    )?;
+    publish(root, "threads", "Thread scaling", &body, arguments.write)?;
     Ok(true)
 }
 

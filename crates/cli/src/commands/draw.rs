@@ -100,7 +100,7 @@ fn draw(
     if let Some(folder) = &folder {
         std::fs::create_dir_all(folder).map_err(|why| {
             anyhow!(
-                "--stages is {}, which is no folder and cannot be made one: {why}",
+                "--stages is {}: the folder cannot be created: {why}",
                 folder.display()
             )
         })?;

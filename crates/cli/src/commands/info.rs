@@ -6,10 +6,10 @@ use crate::print::{self, number};
 use anyhow::Result;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
-use strahl::volume::read::Loaded;
-use strahl::volume::{Grid, Modality, Statistics};
+use strahl::volume::read::LoadedVolume;
+use strahl::volume::{Grid, Modality, Statistics, Volume};
 
-/// Shares of the voxels whose values are printed.
+/// Shares of the voxels for which quantiles are printed.
 const QUANTILES: [f64; 5] = [0.01, 0.25, 0.5, 0.75, 0.99];
 
 pub fn run(flags: &InfoFlags, quiet: bool) -> Result<()> {
@@ -51,7 +51,7 @@ fn adapters(json: bool) -> Result<()> {
     )
 }
 
-fn as_text(name: &str, loaded: &Loaded) -> String {
+fn as_text(name: &str, loaded: &LoadedVolume) -> String {
     let volume = &loaded.volume;
     let (grid, metadata, statistics) = (volume.grid(), volume.metadata(), volume.statistics());
     let mut rows: Vec<(&str, String)> = Vec::new();
@@ -109,10 +109,12 @@ fn as_text(name: &str, loaded: &Loaded) -> String {
     if statistics.not_finite > 0 {
         row("not finite", number(statistics.not_finite as f64));
     }
-    let quantiles = QUANTILES
-        .map(|q| format!("{}%: {}", q * 100.0, number(statistics.quantile(q))))
-        .join("   ");
-    row("quantiles", quantiles);
+    // Label ids have no order: quantiles of them mean nothing.
+    if loaded.labels.is_none() {
+        let rows = quantiles(volume)
+            .map(|[share, value]| format!("{}%: {}", share * 100.0, number(value)));
+        row("quantiles", rows.join("   "));
+    }
 
     let mut text = format!("{name}\n");
     for (key, value) in rows {
@@ -126,7 +128,13 @@ fn as_text(name: &str, loaded: &Loaded) -> String {
         }
     }
     if let Some(labels) = &loaded.labels {
-        let _ = writeln!(text, "\n  {} labels:", labels.len());
+        let _ = match labels.len() {
+            0 => writeln!(
+                text,
+                "\n  the values are label ids; the file has no names for them"
+            ),
+            count => writeln!(text, "\n  {count} labels:"),
+        };
         for label in labels {
             let _ = writeln!(text, "    {:>5}  {}", label.id, label.name);
         }
@@ -137,7 +145,17 @@ fn as_text(name: &str, loaded: &Loaded) -> String {
     text
 }
 
-/// `RAS` and what it means.
+/// Shares and the values that these shares of the voxels lie below.
+fn quantiles(volume: &Volume) -> [[f64; 2]; 5] {
+    let statistics = volume.statistics();
+    let slope = volume.rescale().slope;
+    QUANTILES.map(|share| match volume.sample_type().is_integer() {
+        true => [share, statistics.whole_quantile(share, slope)],
+        false => [share, statistics.quantile(share)],
+    })
+}
+
+/// The orientation code and its meaning.
 fn orientation(grid: &Grid) -> String {
     let code = grid.orientation();
     let words: Vec<_> = code
@@ -216,11 +234,11 @@ fn modality_name(modality: Modality) -> &'static str {
     }
 }
 
-fn as_json(name: &str, loaded: &Loaded) -> Value {
+fn as_json(name: &str, loaded: &LoadedVolume) -> Value {
     let volume = &loaded.volume;
     let (grid, metadata, statistics) = (volume.grid(), volume.metadata(), volume.statistics());
     let (lo, hi) = grid.bounds_mm();
-    let quantiles = QUANTILES.map(|q| json!([q, statistics.quantile(q)]));
+    let quantiles = loaded.labels.is_none().then(|| quantiles(volume));
     let entries = metadata
         .entries
         .iter()

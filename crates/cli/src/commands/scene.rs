@@ -43,7 +43,7 @@ fn check_one(path: &Path, quiet: bool) -> Result<&'static str> {
         );
     };
     if file.scene.volume.is_none() {
-        return Ok("every key is known; it names no volume, so no more can be said");
+        return Ok("every key is known; it names no volume, so only its keys were checked");
     }
     let stages = Stages::new(quiet);
     Render::scene_file(file)

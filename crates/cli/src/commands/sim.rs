@@ -25,7 +25,8 @@ use strahl::sim::statistics::{Statistics, counts};
 use strahl::sim::study::{Lab, STUDIES};
 use strahl::sim::waveform::Waveform;
 use strahl::sim::{
-    Frame, Nobody, Picture, Run, Spec, Subject, VolumeStore, gray_png, host_script, jaw, messages,
+    Frame, NoObserver, Picture, Run, Spec, Subject, VolumeStore, gray_png, host_script, jaw,
+    messages,
 };
 use strahl::volume::read::mesh::read_mesh;
 use strahl::volume::{Mesh, Phantom};
@@ -147,7 +148,7 @@ fn run_frame(flags: &SimRunFlags, quiet: bool) -> Result<()> {
         RUNNING.store(true, Ordering::Relaxed);
         let drawn = match is_observed {
             true => picture.draw(&mut observers, &progress),
-            false => picture.draw(&mut Nobody, &progress),
+            false => picture.draw(&mut NoObserver, &progress),
         };
         RUNNING.store(false, Ordering::Relaxed);
         drawn?
@@ -385,7 +386,7 @@ fn over(spec: &mut Spec, plan: &plan::Plan, quiet: bool) -> Result<()> {
         };
     }
     print::note(
-        "direction, step and opacity are the scene's; colours, lights, size and framing are the processor's own",
+        "direction, step and opacity are the scene's; colors, lights, size and framing are the processor's own",
         quiet,
     );
     Ok(())

@@ -12,7 +12,7 @@ pub enum SimCommand {
     Script(SimScriptFlags),
 }
 
-/// Draw a picture on the modelled processor and count its clocks
+/// Draw a picture with the simulated processor and count its clocks
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   strahl sim run jaw -o jaw.png
@@ -25,7 +25,7 @@ pub struct SimRunFlags {
     #[arg(required = true, value_name = "SCENE | VOLUME | PHANTOM")]
     pub inputs: Vec<PathBuf>,
 
-    /// What is built: a Spec (`strahl sim spec` prints the default)
+    /// Spec file with the design of the processor (`strahl sim spec` prints the default)
     #[arg(long, value_name = "FILE")]
     pub spec: Option<PathBuf>,
 
@@ -33,40 +33,40 @@ pub struct SimRunFlags {
     #[arg(long, value_name = "PATH=VALUE", allow_hyphen_values = true)]
     pub set: Vec<String>,
 
-    /// No leaping and no early termination: every sample of every ray
+    /// Read every sample of every ray: no leaping, no early termination
     #[arg(long)]
     pub brute_force: bool,
 
-    /// Voxels of a phantom along x, y, z; jaw has 128,128,64 without
+    /// Number of voxels of a phantom along x, y and z [default for jaw: 128,128,64]
     #[arg(long, value_name = "X,Y,Z", id = "phantom_dims")]
     pub voxels: Option<String>,
 
-    /// The picture: PNG
+    /// The picture to write: PNG
     #[arg(long, short, value_name = "FILE", help_heading = "Output")]
     pub output: Option<PathBuf>,
 
-    /// Bits of the picture: 8 or 16
+    /// Bits per channel of the picture
     #[arg(long, value_name = "N", default_value = "8", help_heading = "Output",
           value_parser = clap::builder::PossibleValuesParser::new(["8", "16"]))]
     pub bits: String,
 
-    /// A picture of the row changes that each pixel's ray met: PNG
+    /// Write a picture of the row changes per pixel: PNG
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub row_changes: Option<PathBuf>,
 
-    /// Print all counts on stdout
+    /// Print all counts to stdout
     #[arg(long, value_name = "FORMAT", help_heading = "Output")]
     pub stats: Option<SimStatsFormat>,
 
-    /// Waveforms of the window: VCD
+    /// Write the waveforms of the clocks in --window: VCD
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub vcd: Option<PathBuf>,
 
-    /// A diagram of the pipeline in the window: SVG
+    /// Write a diagram of the pipeline for the clocks in --window: SVG
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub diagram: Option<PathBuf>,
 
-    /// Clocks of --vcd and --diagram: first and the one behind the last
+    /// Clocks of --vcd and --diagram: the first, and the one after the last
     #[arg(
         long,
         value_name = "A..B",
@@ -75,15 +75,15 @@ pub struct SimRunFlags {
     )]
     pub window: String,
 
-    /// What a host sends to draw one tile of this picture: a script for `strahl sim script`
+    /// Write what a host sends to draw one tile: a script for `strahl sim script`
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub host_script: Option<PathBuf>,
 
-    /// The tile of --host-script, from 0 at the bottom left
+    /// Tile of --host-script, from 0 at the bottom left
     #[arg(long, value_name = "N", default_value_t = 0, help_heading = "Output")]
     pub tile: usize,
 
-    /// Everything on one page: HTML
+    /// Write all results on one page: HTML
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub report: Option<PathBuf>,
 
@@ -97,7 +97,7 @@ pub enum SimStatsFormat {
     Csv,
 }
 
-/// Print the default Spec with comments, its schema, or the wires that it makes
+/// Print the default Spec with comments, its JSON schema, or its wires
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   strahl sim spec > mine.json
@@ -112,7 +112,7 @@ pub struct SimSpecFlags {
     #[arg(long, value_name = "PATH=VALUE", allow_hyphen_values = true)]
     pub set: Vec<String>,
 
-    /// With words so wide that their rounding cannot be seen
+    /// Use words so wide that rounding is invisible
     #[arg(long)]
     pub wide: bool,
 
@@ -125,18 +125,18 @@ pub struct SimSpecFlags {
     pub wires: bool,
 }
 
-/// Run the accesses of a host over the local bus, and print what they read
+/// Run a script of accesses to the local bus, and print what they read
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   strahl sim run jaw --voxels 16,16,16 --host-script tile.txt --tile 1
   strahl sim script tile.txt
   strahl sim script tile.txt --set host.single_clocks=9 -o read.txt")]
 pub struct SimScriptFlags {
-    /// The script: LB_CLK, WAITING, SWR_ACC, SRD_ACC, DDW_ACC, DDR_ACC, one a line
+    /// The script: LB_CLK, WAITING, SWR_ACC, SRD_ACC, DDW_ACC, DDR_ACC, one per line
     #[arg(value_name = "FILE")]
     pub script: PathBuf,
 
-    /// What is built: a Spec
+    /// Spec file with the design of the processor
     #[arg(long, value_name = "FILE")]
     pub spec: Option<PathBuf>,
 
@@ -144,12 +144,12 @@ pub struct SimScriptFlags {
     #[arg(long, value_name = "PATH=VALUE", allow_hyphen_values = true)]
     pub set: Vec<String>,
 
-    /// Where what was read goes; stdout without
+    /// File for what was read [default: stdout]
     #[arg(long, short, value_name = "FILE")]
     pub output: Option<PathBuf>,
 }
 
-/// Make tables and curves of a study, or of all
+/// Run a study, or all of them, and write its tables and curves
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   strahl sim study --list
@@ -157,11 +157,11 @@ pub struct SimScriptFlags {
   strahl sim study all -o out/ --volume engine.nii.gz --volume bonsai.nii.gz --phantom anatomy
   strahl sim study frame-rate -o out/ --large")]
 pub struct SimStudyFlags {
-    /// Its name, or all
+    /// Name of the study, or all
     #[arg(required_unless_present = "list", value_name = "NAME")]
     pub name: Option<String>,
 
-    /// The folder for CSV, JSON, SVG, PNG and report.html; made if it is not there
+    /// Folder for CSV, JSON, SVG, PNG and report.html; created if it does not exist
     #[arg(long, short, value_name = "DIR", required_unless_present = "list")]
     pub output: Option<PathBuf>,
 
@@ -178,7 +178,7 @@ pub struct SimStudyFlags {
           value_parser = clap::builder::PossibleValuesParser::new(strahl::volume::Phantom::NAMES))]
     pub phantom: Vec<String>,
 
-    /// Also simulate 512³ in the study `frame-rate`: minutes and 2 GiB
+    /// Also simulate 512³ in the study `frame-rate`; takes minutes and 2 GiB
     #[arg(long)]
     pub large: bool,
 }

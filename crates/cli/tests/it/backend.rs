@@ -33,8 +33,47 @@ fn the_graphics_processor_draws_or_says_what_to_install() {
     let stats: serde_json::Value = serde_json::from_str(&stats).unwrap();
     assert_eq!(stats["backend"], "gpu");
     assert!(stats["seconds"]["upload"].as_f64().is_some());
+    let adapter = stats["adapter"].as_str().unwrap();
     let list = run_well(folder.path(), &["info", "--adapters"]);
-    assert!(list.contains(stats["adapter"].as_str().unwrap()), "{list}");
+    assert!(list.contains(adapter), "{list}");
+    // A software renderer is not used in silence.
+    let note =
+        format!("note: {adapter} is a software renderer: it draws on the CPU; --backend cpu");
+    let is_software = adapter.ends_with("software)");
+    assert_eq!(drawn.err.contains(&note), is_software, "{}", drawn.err);
+}
+
+/// Mesa complains about a missing runtime folder on stderr, for every adapter that it looks at.
+#[test]
+fn drivers_find_a_runtime_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    let listed = program(folder.path(), &["info", "--adapters"])
+        .env_remove("XDG_RUNTIME_DIR")
+        .output()
+        .unwrap();
+    let err = String::from_utf8(listed.stderr).unwrap();
+    assert!(!err.contains("XDG_RUNTIME_DIR"), "{err}");
+}
+
+/// Without its Vulkan driver, Mesa offers OpenGL only, which cannot draw into the textures that are needed.
+#[cfg(target_os = "linux")]
+#[test]
+fn an_adapter_that_cannot_draw_is_refused_in_plain_words() {
+    let folder = folder_with_shells();
+    let args = "render shells.nrrd -o gpu.png --size 40x30 --backend gpu";
+    let args: Vec<_> = args.split(' ').collect();
+    let drawn = program(folder.path(), &args)
+        .env("VK_DRIVER_FILES", "/none")
+        .env("VK_ICD_FILENAMES", "/none")
+        .output()
+        .unwrap();
+    let err = String::from_utf8(drawn.stderr).unwrap();
+    if drawn.status.success() {
+        println!("skipped: OpenGL can draw here");
+        return;
+    }
+    assert!(!err.contains("Validation"), "{err}");
+    assert!(err.contains("help: draw with --backend cpu"), "{err}");
 }
 
 #[test]

@@ -62,7 +62,13 @@ fn a_folder_without_a_volume() {
     let args = ["render", "notes", "-o", "out.png"];
     fails(folder.path(), &args, &["notes: the folder is empty"]);
     fs::write(folder.path().join("notes/today.txt"), "nothing new").unwrap();
-    let words = ["notes: ", "none of them DICOM or a picture"];
+    let words = ["notes: ", "1 file and no DICOM file or picture"];
+    fails(folder.path(), &args, &words);
+    let small = Phantom::Shells.volume([4, 4, 4]).unwrap();
+    for name in ["a.nii.gz", "b.nrrd"] {
+        save(&small, &folder.path().join("notes"), name);
+    }
+    let words = ["the folder has 2 volume files: a.nii.gz, b.nrrd; name the one to read"];
     fails(folder.path(), &args, &words);
 }
 
@@ -162,10 +168,16 @@ fn transfer_functions() {
         &scene(r#"[[0.5, 0], [0.2, 1]]"#),
         &["transfer_function.points[1]", "0.2", "allowed: "],
     );
-    scene_fails(
-        &scene(r#"[[0, 0], [NaN, 1]]"#),
-        &["scene.json:1:", "not JSON"],
-    );
+    for word in ["NaN", "Infinity"] {
+        scene_fails(
+            &scene(&format!("[[0, 0], [{word}, 1]]")),
+            &[
+                "scene.json:1:",
+                "transfer_function.points[1]",
+                &format!("{word} is not allowed; write a finite number"),
+            ],
+        );
+    }
     scene_fails(&scene(r#"[[0, 0], [1e999, 1]]"#), &["scene.json:1:"]);
     scene_fails(
         &scene(r#"[[0, 0], [1, 1.5]]"#),
@@ -174,6 +186,15 @@ fn transfer_functions() {
     flags_fail(&["--opacity", "0.2,7"], &["opacity", "7"]);
     flags_fail(&["--opacity", "much"], &["--opacity is much", "0 to 1"]);
     flags_fail(&["--window", "0"], &["window", "0"]);
+    let folder = folder_with_shells();
+    let args = "render shells.nrrd -o out.png --preset mr --window -5";
+    let args: Vec<_> = args.split(' ').collect();
+    let message = run(folder.path(), &args).err;
+    assert_eq!(message.lines().count(), 1, "{message}");
+    assert!(
+        message.contains("transfer_function.window is -5"),
+        "{message}"
+    );
     flags_fail(&["--level", "nan"], &["level", "NaN"]);
 }
 
@@ -312,8 +333,8 @@ fn reading_flags() {
         args.extend(flags);
         fails(folder.path(), &args, words);
     };
-    render(&[], &["a.raw", "help: say", "--dims", "--type"]);
-    render(&["--dims", "2,2,1"], &["fits u16", "help: say", "--type"]);
+    render(&[], &["a.raw", "help: give", "--dims", "--type"]);
+    render(&["--dims", "2,2,1"], &["fits u16", "help: give", "--type"]);
     render(&["--dims", "3,3,3", "--type", "u8"], &["a.raw", "27", "8"]);
     let short = ["--dims", "3,1,1", "--type", "u8"];
     render(&short, &["a.raw", "help: ", "--header-bytes 5"]);

@@ -43,6 +43,7 @@ fn help_has_examples_that_are_right() {
         "convert",
         "presets",
         "completions",
+        "man",
         "scene schema",
         "scene check",
         "scene show",
@@ -75,6 +76,78 @@ fn help_has_examples_that_are_right() {
     assert!(examples > 20, "{examples}");
     let help = run_well(folder.path(), &["scene", "--help"]);
     assert!(help.contains("schema") && help.contains("check"), "{help}");
+}
+
+/// The usual flags fit on a screen; `--help` has all of them.
+#[test]
+fn short_help_fits_on_a_screen() {
+    let folder = tempfile::tempdir().unwrap();
+    for command in ["render", "demo"] {
+        let short = run_well(folder.path(), &[command, "-h"]);
+        let lines = short.lines().count();
+        assert!(lines <= 48, "{lines} lines: {short}");
+        assert!(!short.contains("--white-point"), "{short}");
+        let long = run_well(folder.path(), &[command, "--help"]);
+        assert!(long.contains("--white-point"), "{long}");
+    }
+}
+
+#[test]
+fn a_picture_without_o_is_suggested_as_output() {
+    let folder = folder_with_shells();
+    let suggestion = "did you mean '-o out.png'?";
+    let with = run(folder.path(), &["render", "shells.nrrd", "out.png"]);
+    assert_eq!(with.code, Some(2));
+    assert!(with.err.contains(suggestion), "{}", with.err);
+    // A picture alone is an input.
+    let alone = run(folder.path(), &["render", "out.png"]);
+    assert_eq!(alone.code, Some(2));
+    assert!(!alone.err.contains("did you mean"), "{}", alone.err);
+}
+
+#[test]
+fn manual_pages_are_written_for_every_command() {
+    let folder = tempfile::tempdir().unwrap();
+    run_well(folder.path(), &["man", "pages"]);
+    let page = |name: &str| fs::read_to_string(folder.path().join("pages").join(name)).unwrap();
+    assert!(
+        page("strahl.1").contains("strahl\\-render(1)"),
+        "{}",
+        page("strahl.1")
+    );
+    let render = page("strahl-render.1");
+    assert!(
+        render.starts_with(".ie") || render.contains(".TH"),
+        "{render}"
+    );
+    assert!(render.contains("white\\-point"), "{render}");
+    assert!(page("strahl-scene-show.1").contains(".SH SYNOPSIS"));
+}
+
+/// Quantiles of whole numbers are whole, and label ids have none.
+#[test]
+fn info_knows_whole_numbers_and_labels() {
+    let folder = tempfile::tempdir().unwrap();
+    let segment =
+        "Segment0_ID:=a\nSegment0_Name:=liver\nSegment0_LabelValue:=3\nSegment0_Layer:=0\n";
+    let nrrd = |keys: &str| {
+        format!(
+            "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 5 2 1\nencoding: ascii\n{keys}\n0 0 0 0 0 3 3 3 3 7"
+        )
+    };
+    fs::write(folder.path().join("plain.nrrd"), nrrd("")).unwrap();
+    fs::write(folder.path().join("labels.seg.nrrd"), nrrd(segment)).unwrap();
+    let plain = run_well(folder.path(), &["info", "plain.nrrd"]);
+    let expected = "1%: 0   25%: 0   50%: 0   75%: 3   99%: 7";
+    assert!(plain.contains(expected), "{plain}");
+    let labels = run_well(folder.path(), &["info", "labels.seg.nrrd"]);
+    assert!(!labels.contains("quantiles"), "{labels}");
+    assert!(labels.contains("3  liver"), "{labels}");
+    let labels = json(&run_well(
+        folder.path(),
+        &["info", "labels.seg.nrrd", "--json"],
+    ));
+    assert_eq!(labels["quantiles"], Value::Null);
 }
 
 #[test]

@@ -159,6 +159,20 @@ fn what_is_wrong_with_a_graph_is_said_with_its_place() {
     );
 }
 
+#[test]
+fn a_debug_view_has_no_graph_and_the_message_names_its_key() {
+    let folder = tempfile::tempdir().unwrap();
+    let list = r#"{ "name": "a", "commands": [{ "connect": { "after_shade_color": "lit" } }] }"#;
+    let text = format!(r#"{{ "strahl_graph": 1, "edits": [{list}] }}"#);
+    fs::write(folder.path().join("a.graph.json"), text).unwrap();
+    let args = "demo shells --dims 8,8,8 --size 8x8 --graph a.graph.json --quality null";
+    let drawn = run(folder.path(), &args.split(' ').collect::<Vec<_>>());
+    assert_eq!(drawn.code, Some(1), "{}", drawn.err);
+    let words =
+        r#"debug: a graph cannot draw a debug view, which `debug` or quality "null" asks for"#;
+    assert!(drawn.err.contains(words), "{}", drawn.err);
+}
+
 /// Two lists that want the same place: the later one has it, and both places are named.
 #[test]
 fn conflicts_name_both_places() {

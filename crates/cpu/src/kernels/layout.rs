@@ -38,19 +38,19 @@ impl Layout {
 }
 
 /// Voxels of a cube in a layout.
-pub struct Laid<'v> {
+pub struct LaidOutVoxels<'v> {
     layout: Layout,
     grid: Grid,
     rows: &'v [u8],
     blocks: Vec<u8>,
 }
 
-impl<'v> Laid<'v> {
+impl<'v> LaidOutVoxels<'v> {
     /// Lays the voxels of `grid`, x fastest, on all cores.
     ///
     /// # Panics
     /// If their number is not that of the grid.
-    pub fn new(layout: Layout, grid: Grid, rows: &'v [u8]) -> Laid<'v> {
+    pub fn new(layout: Layout, grid: Grid, rows: &'v [u8]) -> LaidOutVoxels<'v> {
         assert_eq!(rows.len(), grid.voxel_count());
         let mut blocks = Vec::new();
         if layout != Layout::Rows {
@@ -72,7 +72,7 @@ impl<'v> Laid<'v> {
                 }
             });
         }
-        Laid {
+        LaidOutVoxels {
             layout,
             grid,
             rows,
@@ -188,7 +188,7 @@ impl<S: Level> Fetch<S> for Blocks<'_> {
 }
 
 struct Crossing<'l, 'v> {
-    laid: &'l Laid<'v>,
+    laid: &'l LaidOutVoxels<'v>,
     direction: DVec3,
 }
 
@@ -196,7 +196,7 @@ impl Task for Crossing<'_, '_> {
     type Output = (u64, f64);
 
     fn run<S: Level>(self) -> (u64, f64) {
-        let Laid {
+        let LaidOutVoxels {
             layout,
             grid,
             rows,

@@ -1,13 +1,13 @@
 //! Slot classify: value → colour and opacity.
 
-mod between;
 mod integrals;
+mod interval_visibility;
 mod sample;
 mod surface;
 mod transfer;
 
-pub use between::Between;
 pub use integrals::Integrals;
+pub use interval_visibility::IntervalVisibility;
 pub use sample::Sample;
 pub use surface::Surface;
 pub use transfer::Table;

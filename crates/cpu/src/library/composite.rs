@@ -5,9 +5,9 @@
 
 mod grey;
 mod rule;
-pub mod sees;
 mod state;
 mod vector_colour;
+pub mod visible_values;
 
 pub use rule::{Crossing, Rule, Sample};
 pub use state::State;

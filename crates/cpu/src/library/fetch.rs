@@ -1,12 +1,12 @@
 //! Slot fetch: stored numbers of single voxels, or those that a function gives.
 
-mod apart;
 mod linear;
+mod outlined_voxels;
 mod shape;
 mod voxels;
 
-pub use apart::Apart;
 pub use linear::Linear;
+pub use outlined_voxels::OutlinedVoxels;
 pub use shape::Shape;
 pub use voxels::{Corners, Fetch};
 
@@ -26,11 +26,11 @@ macro_rules! functions {
         pub fn of_function<S: Level>(
             function: plan::Fetch,
             shape: Shape,
-        ) -> Option<Apart<'static, S>> {
+        ) -> Option<OutlinedVoxels<'static, S>> {
             match function {
                 plan::Fetch::Stored => None,
                 $(plan::Fetch::$variant { $($field),* } => {
-                    Some(Apart::new($name::$variant { shape, $($field),* }))
+                    Some(OutlinedVoxels::new($name::$variant { shape, $($field),* }))
                 })*
             }
         }

@@ -10,7 +10,7 @@ pub use b_spline::weights as b_spline_weights;
 
 use crate::lanes::{F32s, I32s, Mask, Vec3s, each};
 use crate::levels::{Level, vectorized};
-use crate::library::fetch::{Apart, Fetch, Linear, Shape};
+use crate::library::fetch::{Fetch, Linear, OutlinedVoxels, Shape};
 use strahl_scene::plan::Reconstruct;
 use strahl_volume::{Grid, Rescale, Samples, with_samples};
 
@@ -57,7 +57,7 @@ pub fn of_fetch<'v, S: Level>(
     rescale: Rescale,
     method: Reconstruct,
 ) -> Box<dyn Values<S> + 'v> {
-    of_voxels(Apart::new(fetch), rescale, method)
+    of_voxels(OutlinedVoxels::new(fetch), rescale, method)
 }
 
 /// The values of voxels, by what is compiled for their type.

@@ -1,7 +1,7 @@
 //! A packet of rays on its way, and what every loop does at a lattice point.
 
 use super::counts::Counts;
-use super::look_back::LookBack;
+use super::ray_history::RayHistory;
 use super::runs::Runs;
 use crate::lanes::{F32s, LANES, Mask, Vec3s, each, lanes, to_rows};
 use crate::levels::{Level, inlined, vectorized};
@@ -33,9 +33,9 @@ pub(super) struct Packet<'s, S: Level> {
     pub(super) begin: F32s<S>,
     /// … to here.
     pub(super) end: F32s<S>,
-    /// See [`StridesAlong::last_alpha`](crate::strides::StridesAlong::last_alpha).
+    /// See [`RayStrides::last_alpha`](crate::strides::StridesAlong::last_alpha).
     pub(super) last_alpha: F32s<S>,
-    pub(super) look_back: LookBack<S>,
+    pub(super) look_back: RayHistory<S>,
     /// Where the Plan has segments.
     pub(super) runs: Runs<S>,
     pub(super) sampled: F32s<S>,
@@ -56,7 +56,7 @@ impl<'s, S: Level> Packet<'s, S> {
             begin: F32s::zero(),
             end: F32s::splat(NEVER),
             last_alpha: F32s::zero(),
-            look_back: LookBack::none(),
+            look_back: RayHistory::none(),
             runs: Runs::none(),
             sampled: F32s::zero(),
             visible: F32s::zero(),
@@ -126,7 +126,7 @@ impl<'s, S: Level> Packet<'s, S> {
             number,
             last_normal: [nx, ny, nz],
         } = &mut self.state;
-        let LookBack {
+        let RayHistory {
             values: [before, begin, end],
             gradient: [gx, gy, gz],
             known,

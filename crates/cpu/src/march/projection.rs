@@ -16,17 +16,17 @@ use strahl_scene::plan::Composite;
 const RUNS: usize = 128;
 
 /// Bounds of runs: memory that packets use one after the other, as clearing it takes a while.
-pub struct OfRuns<S: Level> {
+pub struct RunBounds<S: Level> {
     bounds: [F32s<S>; RUNS],
     /// The first lattice points.
     starts: [f32; RUNS],
 }
 
-impl<S: Level> OfRuns<S> {
+impl<S: Level> RunBounds<S> {
     /// Of no run.
     #[inline(always)]
-    pub fn none() -> OfRuns<S> {
-        OfRuns {
+    pub fn none() -> RunBounds<S> {
+        RunBounds {
             bounds: [F32s::zero(); RUNS],
             starts: [0.0; RUNS],
         }
@@ -36,7 +36,12 @@ impl<S: Level> OfRuns<S> {
 impl<S: Level> Packet<'_, S> {
     /// Through one volume, with bounds for its values.
     #[inline(never)]
-    pub(super) fn project(&mut self, object: &Object<S>, bounds: &Bounds, of_runs: &mut OfRuns<S>) {
+    pub(super) fn project(
+        &mut self,
+        object: &Object<S>,
+        bounds: &Bounds,
+        of_runs: &mut RunBounds<S>,
+    ) {
         vectorized::<S, _>(
             #[inline(always)]
             || self.project_here(object, bounds, of_runs),
@@ -44,7 +49,7 @@ impl<S: Level> Packet<'_, S> {
     }
 
     #[inline(always)]
-    fn project_here(&mut self, object: &Object<S>, bounds: &Bounds, of_runs: &mut OfRuns<S>) {
+    fn project_here(&mut self, object: &Object<S>, bounds: &Bounds, of_runs: &mut RunBounds<S>) {
         let (rays, line) = (self.rays, &self.rays.lines[0]);
         let shape = object.values.shape();
         let one = F32s::splat(1.0);

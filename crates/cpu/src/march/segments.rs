@@ -8,8 +8,8 @@
 //! common: then the ranges of both overlap, and together they reach from one end's value to the other's. That is what
 //! skipping rests on here; segments that are longer than a brick are looked at wherever they leave one.
 
-use super::look_back::LookBack;
 use super::packet::Packet;
+use super::ray_history::RayHistory;
 use crate::brick_number::EDGE;
 use crate::lanes::{F32s, Mask, Vec3s, each};
 use crate::levels::{Level, inlined, vectorized};
@@ -69,7 +69,7 @@ struct Segment<S: Level> {
 impl<S: Level> Window<S> {
     /// That before segment `k`.
     #[inline(always)]
-    fn new(back: &LookBack<S>, k: F32s<S>) -> Window<S> {
+    fn new(back: &RayHistory<S>, k: F32s<S>) -> Window<S> {
         let before = k - F32s::splat(1.0);
         let [a, b, c] = back.values;
         Window {
@@ -83,7 +83,7 @@ impl<S: Level> Window<S> {
 
     /// What is known when the ray stands at the end of segment `k`, which is not looked at yet.
     #[inline(always)]
-    fn look_back(&self, k: F32s<S>) -> LookBack<S> {
+    fn look_back(&self, k: F32s<S>) -> RayHistory<S> {
         let before = k - F32s::splat(1.0);
         let follows = self.end.eq(before);
         let [_, a, b, c] = self.values;
@@ -92,7 +92,7 @@ impl<S: Level> Window<S> {
             |known: Mask<S>, bit: f32| known.select(F32s::splat(bit), F32s::zero()),
         );
         let [_, has_a, has_b, has_c] = self.known;
-        LookBack {
+        RayHistory {
             values: [a, b, c],
             gradient: self.gradient,
             known: bit(follows & has_a, 1.0)

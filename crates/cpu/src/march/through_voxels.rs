@@ -104,7 +104,7 @@ impl<S: Level> Packet<'_, S> {
         vectorized::<S, _>(
             #[inline(always)]
             || {
-                let mut waiting = Waiting::new(self.to_eye, self.state.colour);
+                let mut waiting = UnlitSamples::new(self.to_eye, self.state.colour);
                 self.walk(
                     object,
                     voxels,
@@ -212,7 +212,7 @@ impl<S: Level> Packet<'_, S> {
 
     /// Lights as many samples as there are lanes, or all that wait, and adds them to their rays.
     #[inline(never)]
-    fn light(&self, object: &Object<S>, waiting: &mut Waiting) {
+    fn light(&self, object: &Object<S>, waiting: &mut UnlitSamples) {
         vectorized::<S, _>(
             #[inline(always)]
             || {
@@ -243,24 +243,24 @@ impl<S: Level> Packet<'_, S> {
 }
 
 /// Samples that are to be lit, in the order of each ray.
-struct Waiting {
+struct UnlitSamples {
     number: usize,
     /// Position (voxel space), value, share of the pixel, ray.
-    samples: [[f32; Waiting::MOST]; 6],
+    samples: [[f32; UnlitSamples::MOST]; 6],
     to_eye: [[f32; LANES]; 3],
     /// The colour of each ray so far.
     sums: [[f32; 4]; LANES],
 }
 
-impl Waiting {
+impl UnlitSamples {
     /// One less than those that are lit at once, those of one step, and what appending writes behind them.
     const MOST: usize = 3 * LANES;
 
     #[inline(always)]
-    fn new<S: Level>(to_eye: Vec3s<S>, [r, g, b]: Vec3s<S>) -> Waiting {
-        Waiting {
+    fn new<S: Level>(to_eye: Vec3s<S>, [r, g, b]: Vec3s<S>) -> UnlitSamples {
+        UnlitSamples {
             number: 0,
-            samples: [[0.0; Waiting::MOST]; 6],
+            samples: [[0.0; UnlitSamples::MOST]; 6],
             to_eye: each!(to_eye, |part| part.to_array()),
             sums: to_rows([r, g, b, F32s::zero()]),
         }

@@ -4,9 +4,9 @@ use crate::{bits, call, floats};
 use proptest::prelude::*;
 
 /// `f(a, b, c)` as WGSL and in double precision.
-type OfFloats = (&'static str, fn(f64, f64, f64) -> f64);
+type FloatCase = (&'static str, fn(f64, f64, f64) -> f64);
 
-const OF_FLOATS: &[OfFloats] = &[
+const OF_FLOATS: &[FloatCase] = &[
     ("a + b", |a, b, _| a + b),
     ("a - b", |a, b, _| a - b),
     ("a * b", |a, b, _| a * b),
@@ -171,7 +171,7 @@ const OF_FLOATS: &[OfFloats] = &[
 ];
 
 /// Near their ends in single precision only.
-const OF_SHARES: &[OfFloats] = &[
+const OF_SHARES: &[FloatCase] = &[
     ("asin(a)", |a, _, _| a.asin()),
     ("acos(a)", |a, _, _| a.acos()),
     ("atanh(0.9 * a)", |a, _, _| (f64::from(0.9f32) * a).atanh()),
@@ -207,7 +207,7 @@ const PACKED: &[(&str, usize, f32, f32)] = &[
     ),
 ];
 
-fn compare(functions: &[OfFloats], inputs: &[[f32; 3]]) {
+fn compare(functions: &[FloatCase], inputs: &[[f32; 3]]) {
     let arguments = [0, 1, 2].map(|i| bits(&inputs.iter().map(|v| v[i]).collect::<Vec<_>>()));
     let arguments: Vec<&[u32]> = arguments.iter().map(Vec::as_slice).collect();
     for (wgsl, truth) in functions {
@@ -284,9 +284,9 @@ proptest! {
 }
 
 /// `f(a, b, c)` of u32, with i and k the same as i32.
-type OfNumbers = (&'static str, fn(u32, u32, u32) -> u32);
+type WholeNumberCase = (&'static str, fn(u32, u32, u32) -> u32);
 
-const OF_NUMBERS: &[OfNumbers] = &[
+const OF_NUMBERS: &[WholeNumberCase] = &[
     ("a + b", |a, b, _| a.wrapping_add(b)),
     ("a - b", |a, b, _| a.wrapping_sub(b)),
     ("a * b", |a, b, _| a.wrapping_mul(b)),

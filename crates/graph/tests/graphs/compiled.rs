@@ -1,14 +1,14 @@
 //! What the compiler makes of a graph, row by row of the source.
 
 use super::*;
-use strahl_graph::Compiled;
+use strahl_graph::CompiledGraph;
 
 fn graph(text: &str) -> Graph {
     let asked = read(text).unwrap_or_else(|error| panic!("{error}"));
     asked.graph.unwrap()
 }
 
-fn compiled(graph: &Graph, compiler: &mut Compiler) -> Result<Compiled, String> {
+fn compiled(graph: &Graph, compiler: &mut Compiler) -> Result<CompiledGraph, String> {
     let functions = Functions::of(&PLAN, true, |_, threshold| f64::from(threshold)).unwrap();
     let what = loop_of(&PLAN, Texels::Float);
     let compiled = compiler.compile("test", graph, &what, &functions);

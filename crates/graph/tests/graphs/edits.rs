@@ -3,7 +3,8 @@
 use super::*;
 use proptest::prelude::*;
 use strahl_graph::{
-    By, Carried, Constant, Edit, Input, Kind, Meaning, Node, Reference, STAGES, Type,
+    CarriedVariable, Constant, Edit, Input, Kind, Meaning, Node, Reference, Replacement, STAGES,
+    Type,
 };
 
 /// A graph whose nodes read, mostly, what fits.
@@ -117,9 +118,9 @@ fn place(graph: &Graph, random: &mut Random) -> String {
     }
 }
 
-fn by(graph: &Graph, random: &mut Random) -> By {
+fn by(graph: &Graph, random: &mut Random) -> Replacement {
     match random.below(3) {
-        0 => By::Parts(
+        0 => Replacement::Parts(
             (0..random.below(3))
                 .map(|i| {
                     (
@@ -129,7 +130,7 @@ fn by(graph: &Graph, random: &mut Random) -> By {
                 })
                 .collect(),
         ),
-        _ => By::One(reference(graph, random)),
+        _ => Replacement::One(reference(graph, random)),
     }
 }
 
@@ -169,7 +170,7 @@ fn edit(graph: &Graph, random: &mut Random) -> Edit {
         }
         5 => {
             let to = format!("{}.v{}", name(graph, random), random.below(3));
-            let carried = Carried {
+            let carried = CarriedVariable {
                 name: String::new(),
                 ty: random.chance(60).then(|| "f32".to_owned()),
                 start: random.chance(80).then(|| input(graph, random)),
@@ -253,24 +254,24 @@ fn assert_done(before: &Graph, edit: &Edit, after: &Graph) {
         Edit::ReplaceNode { node, by } => {
             let is_node = |from: &Input| matches!(from, Input::From(one) if one.node == *node);
             let is_itself = match by {
-                By::One(one) => one.node == *node,
-                By::Parts(parts) => parts.iter().any(|(_, from)| is_node(from)),
+                Replacement::One(one) => one.node == *node,
+                Replacement::Parts(parts) => parts.iter().any(|(_, from)| is_node(from)),
             };
             assert!(is_itself || after != before, "{node} {by:?}");
         }
         Edit::ReplaceStage { stage, by } => {
             let ends = match by {
-                By::One(one) if after.node(&format!("after_{stage}")).is_some() => {
+                Replacement::One(one) if after.node(&format!("after_{stage}")).is_some() => {
                     vec![(format!("after_{stage}"), Input::From(one.clone()))]
                 }
-                By::One(one) => (["color", "opacity"].iter())
+                Replacement::One(one) => (["color", "opacity"].iter())
                     .map(|part| {
                         let mut one = one.clone();
                         one.path.push((*part).to_owned());
                         (format!("after_{stage}_{part}"), Input::From(one))
                     })
                     .collect(),
-                By::Parts(parts) => (parts.iter())
+                Replacement::Parts(parts) => (parts.iter())
                     .map(|(part, from)| (format!("after_{stage}_{part}"), from.clone()))
                     .collect(),
             };

@@ -1,7 +1,7 @@
 //! The standard graph, its anchors, and stages in place of others.
 
 use crate::{compile_over, march, standard_of};
-use strahl_graph::{By, Edit, EditList, Patterns, Reference, STAGES, edited};
+use strahl_graph::{Edit, EditList, Patterns, Reference, Replacement, STAGES, edited};
 use strahl_scene::Method;
 
 #[test]
@@ -48,7 +48,7 @@ fn anchors_cost_nothing() {
 #[test]
 fn a_stage_is_replaced_by_constants_through_its_anchors() {
     let (plan, graph, _) = standard_of("");
-    let by = By::One(Reference::new("half"));
+    let by = Replacement::One(Reference::new("half"));
     let half = strahl_graph::Node::new(
         "half",
         strahl_graph::Kind::Wgsl(

@@ -89,10 +89,13 @@ fn wgsl_that_is_no_node_is_refused() {
         &with("var<private> m: f32; fn a() -> f32 { m += 1.0; return m; }"),
         &["carries what it remembers openly"],
     );
-    assert_says(
-        &with("@group(0) @binding(0) var t: texture_2d<f32>; fn a() -> f32 { return 1.0; }"),
-        &["binds no resources"],
-    );
+    let binding =
+        &with("@group(0) @binding(0) var t: texture_2d<f32>; fn a() -> f32 { return 1.0; }");
+    assert_says(binding, &["cannot bind resources", "as arguments"]);
+    assert!(!binding.contains("var<private>"), "{binding}");
+    let other = with("fn a(s: sampler) -> f32 { return 1.0; }");
+    assert_says(&other, &["nodes.n", "sampler"]);
+    assert!(!other.contains(" a a"), "{other}");
 }
 
 #[test]
@@ -158,7 +161,7 @@ fn objects_and_outputs_that_are_not_there_are_named() {
     );
     assert_says(
         &refused(&showing(nodes, "ray")),
-        &["say which output of `ray`"],
+        &["name an output of `ray`"],
     );
 }
 

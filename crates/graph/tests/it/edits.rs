@@ -2,7 +2,8 @@
 
 use crate::{assert_says, parsed, pixels, showing};
 use strahl_graph::{
-    By, Edit, EditList, Edited, Graph, Kind, Node, Patterns, Problem, Reference, edited,
+    Edit, EditList, EditedGraph, Graph, Kind, Node, Patterns, Problem, Reference, Replacement,
+    edited,
 };
 
 fn base() -> Graph {
@@ -19,11 +20,11 @@ fn list(name: &str, commands: Vec<Edit>) -> EditList {
     }
 }
 
-fn apply(lists: &[EditList]) -> Result<Edited, Vec<Problem>> {
+fn apply(lists: &[EditList]) -> Result<EditedGraph, Vec<Problem>> {
     edited(base(), lists, &Patterns::new())
 }
 
-fn value(edited: &Edited) -> f32 {
+fn value(edited: &EditedGraph) -> f32 {
     pixels(&edited.graph)[0][0]
 }
 
@@ -109,7 +110,7 @@ fn nodes_of_two_lists_have_different_names() {
 
 #[test]
 fn nodes_are_replaced_and_removed() {
-    let by = By::One(Reference::new("t"));
+    let by = Replacement::One(Reference::new("t"));
     let commands = vec![
         twice("t"),
         Edit::Connect(vec![("t.a".into(), "u".into())]),
@@ -133,7 +134,7 @@ fn what_is_not_there_is_named() {
         insert("nothing", "place"),
         Edit::ReplaceStage {
             stage: "clasify".into(),
-            by: By::One(Reference::new("v")),
+            by: Replacement::One(Reference::new("v")),
         },
         Edit::Set(vec![("q.x".into(), vec![1.0])]),
     ];
@@ -197,7 +198,7 @@ fn loops_get_more_variables_and_values_are_set() {
         "next": { "pattern": "add", "inputs": { "a": "w.i", "b": 1 } }"#,
         "w.last.i",
     ));
-    let carried = strahl_graph::Carried {
+    let carried = strahl_graph::CarriedVariable {
         name: String::new(),
         ty: Some("f32".into()),
         start: Some(1.0.into()),

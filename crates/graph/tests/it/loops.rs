@@ -61,7 +61,7 @@ fn the_type_of_a_number_is_not_guessed() {
     let nodes = counting(3.0, "").replace(r#""sum": { "type": "f32", "#, r#""sum": { "#);
     assert_says(
         &refused(&showing(&nodes, "count.last.sum")),
-        &["count.sum", "cannot be told from a number", "`type`"],
+        &["count.sum", "does not follow from a number", "`type`"],
     );
 }
 
@@ -115,7 +115,7 @@ fn a_variable_is_carried_by_the_name_of_an_output() {
         &[
             "several nodes have the output `power`",
             "turn, other",
-            "say `next`",
+            "set `next`",
         ],
     );
 }
@@ -266,7 +266,7 @@ fn variables_are_named_in_messages() {
     );
     assert_says(
         &refused(&showing(&counting(3.0, ""), "count")),
-        &["say which variable of `count`", "count.last.NAME"],
+        &["name a variable of `count`", "count.last.NAME"],
     );
     let twice = counting(3.0, "")
         .replace(r#""sum": {"#, r#""last": {"#)

@@ -16,7 +16,7 @@ mod types;
 
 use std::collections::HashMap;
 use strahl_evaluate::Evaluator;
-use strahl_graph::{Compiled, Compiler, Error, Graph, GraphUse, Texture, standard};
+use strahl_graph::{CompiledGraph, Compiler, Error, Graph, GraphUse, Texture, standard};
 use strahl_program::{Functions, Table2d, loop_of};
 use strahl_scene::plan::Plan;
 use strahl_scene::{Scene, resolve};
@@ -61,19 +61,19 @@ pub fn plan(settings: &str) -> Plan {
 }
 
 /// Compiles a graph over the usual settings.
-pub fn compile(graph: &Graph) -> Result<Compiled, Error> {
+pub fn compile(graph: &Graph) -> Result<CompiledGraph, Error> {
     compile_over(&plan(""), graph)
 }
 
 /// Compiles a graph over settings.
-pub fn compile_over(plan: &Plan, graph: &Graph) -> Result<Compiled, Error> {
+pub fn compile_over(plan: &Plan, graph: &Graph) -> Result<CompiledGraph, Error> {
     let functions = Functions::of(plan, true, |_, threshold| f64::from(threshold)).unwrap();
     let what = loop_of(plan, Texels::Float);
     Compiler::default().compile("test", graph, &what, &functions)
 }
 
 /// Compiles a text that is right.
-pub fn compiled(text: &str) -> Compiled {
+pub fn compiled(text: &str) -> CompiledGraph {
     compile(&parsed(text)).unwrap_or_else(|error| panic!("{error}\n{text}"))
 }
 
@@ -96,7 +96,7 @@ pub fn assert_says(message: &str, parts: &[&str]) {
 }
 
 /// The text of `march`, with names as they are in the graph where a `_` was put behind them.
-pub fn march(compiled: &Compiled) -> String {
+pub fn march(compiled: &CompiledGraph) -> String {
     let wgsl = compiled.program.wgsl();
     let start = wgsl.find("fn march(").unwrap();
     let end = start + wgsl[start..].find("\n}").unwrap();
@@ -110,7 +110,7 @@ pub fn march(compiled: &Compiled) -> String {
 }
 
 /// The names of the values in `march`, in their order.
-pub fn values_of(compiled: &Compiled) -> Vec<String> {
+pub fn values_of(compiled: &CompiledGraph) -> Vec<String> {
     let march = march(compiled);
     let lines = march.lines().filter_map(|line| {
         let rest = line.trim_start().strip_prefix("let ")?;

@@ -10,8 +10,8 @@ fn types_have_to_be_equal() {
         &refused(&showing(nodes, "one")),
         &[
             "nodes.one.inputs.a",
-            "`ray.direction` is a vec3f",
-            "`a` takes a f32",
+            "`ray.direction` is vec3f",
+            "`a` needs f32",
         ],
     );
 }
@@ -34,7 +34,7 @@ fn whole_numbers_do_not_become_floats_by_themselves() {
         "one": { "pattern": "rest_of", "inputs": { "a": "u" } }"#;
     assert_says(
         &refused(&showing(nodes, "one")),
-        &["`u` is a u32", "takes a f32"],
+        &["`u` is u32", "needs f32"],
     );
     let explicit = r#""u": { "uniform": "u32", "value": 3 },
         "f": { "pattern": "number_of_index", "inputs": { "index": "u" } },
@@ -78,7 +78,7 @@ fn inputs_without_a_default_have_to_be_connected() {
             "nodes.s.inputs.b",
             "not connected",
             "no default",
-            "takes a f32",
+            "needs f32",
         ],
     );
 }
@@ -108,7 +108,7 @@ fn roots_have_types_and_names() {
     };
     assert_says(
         &refused(&text(r#""color": "u""#)),
-        &["roots.color", "`u` is a f32", "takes a vec4f"],
+        &["roots.color", "`u` is f32", "needs vec4f"],
     );
     assert_says(
         &refused(&text(r#""colour": "u""#)),
@@ -124,7 +124,7 @@ fn both_branches_of_an_if_have_one_type() {
         "either": { "if": "c", "then": { "x": "u" }, "else": { "x": "i" } }"#;
     assert_says(
         &refused(&showing(nodes, "either.x")),
-        &["nodes.either.inputs.else.x", "`i` is a u32", "takes a f32"],
+        &["nodes.either.inputs.else.x", "`i` is u32", "needs f32"],
     );
     let missing = nodes.replace(r#""else": { "x": "i" }"#, r#""else": { "y": "u" }"#);
     assert_says(
@@ -139,7 +139,7 @@ fn an_if_asks_for_a_truth() {
         "either": { "if": "u", "then": { "x": 1 }, "else": { "x": "u" } }"#;
     assert_says(
         &refused(&showing(nodes, "either.x")),
-        &["nodes.either", "`u` is a f32", "takes a bool"],
+        &["nodes.either", "`u` is f32", "needs bool"],
     );
 }
 

@@ -31,7 +31,7 @@ pub fn dropped<'m>(
     if clips.is_empty() {
         return Ok(None);
     }
-    let mut bricks = Dropping {
+    let mut bricks = BrickWalk {
         clips,
         dims,
         edge,
@@ -40,7 +40,7 @@ pub fn dropped<'m>(
         control,
     };
     bricks.look_at(dims.map(|n| 0..n))?;
-    let Dropping { dropped, .. } = bricks;
+    let BrickWalk { dropped, .. } = bricks;
     Ok(dropped.contains(&true).then_some(dropped))
 }
 
@@ -251,7 +251,7 @@ impl Mask<'_> {
 }
 
 /// The bricks on the way to their answers.
-struct Dropping<'m> {
+struct BrickWalk<'m> {
     clips: Vec<Clip<'m>>,
     dims: [usize; 3],
     edge: usize,
@@ -260,7 +260,7 @@ struct Dropping<'m> {
     control: &'m Control,
 }
 
-impl Dropping<'_> {
+impl BrickWalk<'_> {
     /// Finds those of a block of bricks: at once if they are alike, half by half if not.
     fn look_at(&mut self, block: [Range<usize>; 3]) -> Result<(), Cancelled> {
         self.control.check()?;

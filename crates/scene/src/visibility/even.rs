@@ -39,7 +39,7 @@ pub fn even_cubes(
     if !known {
         return Ok(None);
     }
-    let even = Even::new(&technique.table, plan.lattice.step_mm, f64::from(error));
+    let even = Evenness::new(&technique.table, plan.lattice.step_mm, f64::from(error));
     let mut dims = bricks.dims();
     let values = |range| values(range, rescale_of(field));
     let mut ranges = of_reached(bricks, field.reconstruct, values, control)?;
@@ -83,15 +83,15 @@ fn coarser(dims: [usize; 3], ranges: &[(f32, f32)]) -> ([usize; 3], Vec<(f32, f3
 }
 
 /// Whether a table hardly changes over an interval of values.
-struct Even {
+struct Evenness {
     lo: f32,
     entries_per_value: f32,
     /// For each entry the first one from which on the table hardly changes up to it.
     from: Vec<u32>,
 }
 
-impl Even {
-    fn new(table: &TransferTable, step_mm: f64, error: f64) -> Even {
+impl Evenness {
+    fn new(table: &TransferTable, step_mm: f64, error: f64) -> Evenness {
         let [lo, hi] = table.domain();
         let steps = step_mm / f64::from(table.reference_mm());
         let mut spread = [const { Spread::new() }; 4];
@@ -111,7 +111,7 @@ impl Even {
             }
             from.push(first as u32);
         }
-        Even {
+        Evenness {
             lo,
             entries_per_value: (table.entries().len() - 1) as f32 / (hi - lo),
             from,
@@ -199,7 +199,7 @@ mod tests {
                 .map(|entry| entry.map(|n| [0.0, 0.5, 0.51, 0.9][usize::from(n)]))
                 .collect();
             let table = TransferTable::new([-1.0, 1.0], 1.0, entries);
-            let even = Even::new(&table, steps, error);
+            let even = Evenness::new(&table, steps, error);
             let values: Vec<f32> = (0..=50).map(|i| lo + width * i as f32 / 50.0).collect();
             let looks: Vec<[f64; 4]> = values
                 .iter()

@@ -175,7 +175,7 @@ fn clip(n: &Number) -> BoxedStrategy<Clip> {
         BoxSpace::Voxels,
         BoxSpace::Fraction,
     ]));
-    let keep = of(select(vec![Keep::Inside, Keep::Outside]));
+    let keep = of(select(vec![KeptSide::Inside, KeptSide::Outside]));
     let objects = of(vec(
         select(vec!["volume".to_owned(), "other".to_owned()]),
         0..2,

@@ -348,7 +348,7 @@ impl Spec {
                 m.color[0], m.color[1], m.color[2], m.ambient, m.diffuse, m.specular,
             ];
             if !m.value.is_finite() || shares.iter().any(|share| !(0.0..=1.0).contains(share)) {
-                let problem = "the value must be finite, colours and shares lie in 0 to 1";
+                let problem = "the value must be finite, colors and shares lie in 0 to 1";
                 return Err(Error::field("look.materials", format!("{m:?}"), problem));
             }
             if i > 0 && look.materials[i - 1].value > m.value {

@@ -66,12 +66,12 @@ impl Spec {
             }
         }
         if self.optimisation.leaping != Leaping::Off {
-            let problem = "distances say nothing about bent rays: set it to off";
+            let problem = "distances do not apply to bent rays: set it to off";
             let value = format!("{:?}", self.optimisation.leaping).to_lowercase();
             return Err(Error::field("optimisation.leaping", value, problem));
         }
         if self.optimisation.adaptive_error > 0 {
-            let problem = "its radius says nothing about bent rays: set it to 0";
+            let problem = "its radius does not apply to bent rays: set it to 0";
             let value = self.optimisation.adaptive_error;
             return Err(Error::field("optimisation.adaptive_error", value, problem));
         }
@@ -181,7 +181,7 @@ impl Spec {
             return Err(Error::field(
                 "polygons.color",
                 value,
-                "colour and opacity lie in 0 to 1",
+                "color and opacity lie in 0 to 1",
             ));
         }
         let is_finite = |v: &[f64; 3]| v.iter().all(|c| c.abs() <= 1e6);

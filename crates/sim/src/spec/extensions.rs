@@ -15,7 +15,7 @@ pub struct Merge {
     /// Buses to the host, 1 to `boards`, which share them evenly.
     pub buses: u32,
     /// Further volumes beside the first, at most 15; on each board they are drawn one after the other.
-    pub volumes: Vec<Placed>,
+    pub volumes: Vec<PlacedVolume>,
 }
 
 impl Default for Merge {
@@ -39,7 +39,7 @@ impl Merge {
 /// A volume beside the first.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Placed {
+pub struct PlacedVolume {
     /// A volume file, or a phantom as `strahl sim run` takes it.
     pub path: String,
     /// Where its first voxel lies, in voxels of the first volume: its box may touch no other.

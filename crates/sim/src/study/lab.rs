@@ -1,7 +1,7 @@
 //! What studies are made with: runs on all cores, the machine of the document, numbers in words.
 
 use crate::Error;
-use crate::Nobody;
+use crate::NoObserver;
 use crate::picture::draw;
 use crate::processor::Run;
 use crate::spec::{Light, Spec};
@@ -43,7 +43,7 @@ impl<'l> Lab<'l> {
             .into_par_iter()
             .map(|(_, spec, volume)| {
                 let progress = |_, _| (self.progress)(self.done.load(Ordering::Relaxed));
-                let drawn = draw(&spec, &Subject::of(volume), &mut Nobody, &progress)?;
+                let drawn = draw(&spec, &Subject::of(volume), &mut NoObserver, &progress)?;
                 self.done.fetch_add(1, Ordering::Relaxed);
                 if !drawn.is_complete {
                     return Err(Error::Stopped);

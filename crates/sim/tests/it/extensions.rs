@@ -5,14 +5,14 @@ use proptest::prelude::*;
 use strahl_sim::deformation::Deformation;
 use strahl_sim::polygons::Fragment;
 use strahl_sim::spec::{
-    Axis, Bend, Leaping, Merge, Placed, Polygons, Projection, Shape, Spec, Widths,
+    Axis, Bend, Leaping, Merge, PlacedVolume, Polygons, Projection, Shape, Spec, Widths,
 };
 use strahl_sim::study::psnr_db;
-use strahl_sim::{Error, Frame, Nobody, Run, Subject, VolumeStore, no_progress, run};
+use strahl_sim::{Error, Frame, NoObserver, Run, Subject, VolumeStore, no_progress, run};
 use strahl_volume::Mesh;
 
 fn drawn(spec: &Spec, subject: &Subject) -> Result<Run, Error> {
-    strahl_sim::draw(spec, subject, &mut Nobody, &no_progress)
+    strahl_sim::draw(spec, subject, &mut NoObserver, &no_progress)
 }
 
 fn alone(spec: &Spec, volume: &VolumeStore) -> Run {
@@ -89,7 +89,7 @@ fn volumes_lie_where_they_are_placed() {
     spec.look.background = 0.1;
     let expected = alone(&spec, &volume_of([12, 18, 9], whole));
     let at = [3, 12, 2];
-    let placed = |at| Placed {
+    let placed = |at| PlacedVolume {
         path: "far".to_owned(),
         at,
         opacity: Vec::new(),
@@ -228,7 +228,7 @@ fn fragments_hide_what_is_behind_them_and_nothing_before() {
             .clone()
             .with_fragments(vec![Some(fragment); pixels])
             .unwrap();
-        run(&frame, &mut Nobody, &no_progress).unwrap()
+        run(&frame, &mut NoObserver, &no_progress).unwrap()
     };
     // Before everything: white, and rays end at their first sample.
     let before = with(0, 255);
@@ -273,7 +273,7 @@ fn surfaces_of_the_spec_are_their_fragments() {
     };
     let pixels = frame.setup.pixel_count();
     let by_hand = frame.with_fragments(vec![Some(fragment); pixels]).unwrap();
-    let expected = run(&by_hand, &mut Nobody, &no_progress).unwrap();
+    let expected = run(&by_hand, &mut NoObserver, &no_progress).unwrap();
     spec.polygons = Polygons {
         shape: Shape::Plane {
             point: [0.0, 50.0, 0.0],
@@ -370,7 +370,7 @@ fn bent_rays_see_what_lies_beside_them() {
         };
         run(
             &frame.clone().with_deformation(deformation).unwrap(),
-            &mut Nobody,
+            &mut NoObserver,
             &no_progress,
         )
         .unwrap()

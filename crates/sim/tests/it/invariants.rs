@@ -7,7 +7,7 @@ use strahl_sim::observer::{Observer, Wires};
 use strahl_sim::spec::{
     DistanceMemory, Handover, Leaping, Optimisation, Order, Scheduling, Timing,
 };
-use strahl_sim::{Frame, Nobody, Run, Spec, run};
+use strahl_sim::{Frame, NoObserver, Run, Spec, run};
 
 fn adds_up(drawn: &Run, pipelines: u32) {
     let c = &drawn.counters;
@@ -142,7 +142,7 @@ fn counts_do_not_depend_on_threads() {
             let drawn = pool
                 .build()
                 .unwrap()
-                .install(|| run(&frame, &mut Nobody, &strahl_sim::no_progress).unwrap());
+                .install(|| run(&frame, &mut NoObserver, &strahl_sim::no_progress).unwrap());
             assert_eq!(drawn.counters, watched.counters, "{i}, {threads} threads");
             assert!(drawn.picture == watched.picture, "{i}, {threads} threads");
             assert!(drawn.stalls_of_pixel == watched.stalls_of_pixel);
@@ -235,7 +235,7 @@ fn a_stopped_run_has_what_was_drawn() {
             ControlFlow::Continue(())
         }
     };
-    let part = run(&frame, &mut Nobody, &stop).unwrap();
+    let part = run(&frame, &mut NoObserver, &stop).unwrap();
     assert!(!part.is_complete);
     assert_eq!(part.counters.tiles, 10);
     let whole = draw(&jaw_spec(), &volume);

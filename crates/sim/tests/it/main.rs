@@ -8,7 +8,7 @@ mod invariants;
 mod leaping;
 mod shadow;
 
-use strahl_sim::{Frame, Nobody, Run, Spec, VolumeStore, jaw, no_progress, run};
+use strahl_sim::{Frame, NoObserver, Run, Spec, VolumeStore, jaw, no_progress, run};
 use strahl_volume::{Grid, Metadata, Rescale, Samples, Volume};
 
 fn small_jaw() -> VolumeStore {
@@ -25,7 +25,7 @@ fn jaw_spec() -> Spec {
 fn draw(spec: &Spec, volume: &VolumeStore) -> Run {
     run(
         &Frame::new(spec, volume).unwrap(),
-        &mut Nobody,
+        &mut NoObserver,
         &no_progress,
     )
     .unwrap()

@@ -283,7 +283,7 @@ impl<'a> Block<'a> {
             return Err(Error::field(
                 "number of samples",
                 "larger",
-                format!("{count}, as the header says"),
+                format!("{count}, as in the header"),
             ));
         }
         Ok(())
@@ -571,7 +571,7 @@ fn too_long(expected: u64) -> Error {
     Error::field(
         "size of the sample data",
         "larger",
-        format!("{expected} bytes, as the header says"),
+        format!("{expected} bytes, as in the header"),
     )
 }
 

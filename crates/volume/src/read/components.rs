@@ -52,7 +52,7 @@ pub(crate) fn choice(
         }
         (None, Meaning::Colour) if matches!(count, 3 | 4) => {
             notes.push(
-                "colours were turned into luminance (BT.709); single components can be picked"
+                "colors were turned into luminance (BT.709); single components can be picked"
                     .into(),
             );
             Ok(Choice::Luminance)

@@ -17,11 +17,11 @@ use super::block::{Encoding, Endian};
 use super::header_lines::{self, HeaderLines};
 use super::raw::Layout;
 use super::sniff::{self, Kind};
-use super::{Input, Loaded, ReadOptions, unoriented};
+use super::{Input, LoadedVolume, ReadOptions, unoriented};
 use crate::error::{Error, ErrorKind};
 use crate::{Metadata, Rescale, SampleType, Volume};
 
-pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error> {
+pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<LoadedVolume, Error> {
     let header = Header::read(input)?;
     let raw_name = header_lines::required(
         "ObjectFileName",
@@ -83,7 +83,7 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error
             ..Metadata::default()
         },
     )?;
-    Ok(Loaded {
+    Ok(LoadedVolume {
         volume,
         labels: None,
         notes: Vec::new(),
@@ -205,7 +205,7 @@ mod tests {
     use crate::read::{MemoryFiles, read_file};
     use std::io::Write;
 
-    fn load(header: &str, raw: (&str, &[u8])) -> Result<Loaded, Error> {
+    fn load(header: &str, raw: (&str, &[u8])) -> Result<LoadedVolume, Error> {
         let files = MemoryFiles::from([
             ("head.dat".to_owned(), header.as_bytes().to_vec()),
             (raw.0.to_owned(), raw.1.to_vec()),

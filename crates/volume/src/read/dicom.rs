@@ -22,7 +22,7 @@ mod stack;
 mod syntax;
 mod tags;
 
-use super::{Bytes, Files, Input, Loaded, ReadOptions};
+use super::{Bytes, Files, Input, LoadedVolume, ReadOptions};
 use crate::cores;
 use crate::error::{Error, ErrorKind};
 use crate::{Grid, Metadata, Modality, Rescale, Sample, SampleType, Samples, Volume};
@@ -73,7 +73,7 @@ fn read_directory(
     input: &Input,
     elements: &elements::Elements,
     options: &ReadOptions,
-) -> Result<Loaded, Error> {
+) -> Result<LoadedVolume, Error> {
     // Names on a CD are in capitals; what copied it may have changed that, or written a version behind.
     let plain = |name: &str| {
         let name = name.to_ascii_lowercase();
@@ -122,7 +122,7 @@ fn read_directory(
 }
 
 /// A multi-frame file alone; a file with one image stands for its whole series in the folder.
-pub(crate) fn read_file(input: &Input, options: &ReadOptions) -> Result<Loaded, Error> {
+pub(crate) fn read_file(input: &Input, options: &ReadOptions) -> Result<LoadedVolume, Error> {
     let (elements, result) = elements::read(input.bytes);
     result?;
     if elements.set.has(tags::DIRECTORY_RECORD_SEQUENCE) {
@@ -139,7 +139,7 @@ pub(crate) fn read_file(input: &Input, options: &ReadOptions) -> Result<Loaded, 
         return read_folder(input.name, input.files, options);
     }
     let uid = image.series();
-    let alone = One {
+    let alone = SingleFile {
         name: input.name,
         bytes: input.bytes,
     };
@@ -178,7 +178,7 @@ pub(crate) fn read_folder(
     name: &str,
     files: &dyn Files,
     options: &ReadOptions,
-) -> Result<Loaded, Error> {
+) -> Result<LoadedVolume, Error> {
     read_scan(name, scan_here_or_below(files)?, files, options)
 }
 
@@ -187,7 +187,7 @@ fn read_scan(
     scan: series::Scan,
     files: &dyn Files,
     options: &ReadOptions,
-) -> Result<Loaded, Error> {
+) -> Result<LoadedVolume, Error> {
     let (summary, images, rest) = scan.pick(options.series.as_deref())?;
     let mut notes = rest.notes;
     damaged(rest.damaged, &summary.uid, &mut notes)?;
@@ -217,12 +217,12 @@ fn damaged(
 }
 
 /// A file whose bytes are at hand, as if it were alone in its folder.
-struct One<'a> {
+struct SingleFile<'a> {
     name: &'a str,
     bytes: &'a dyn Bytes,
 }
 
-impl Files for One<'_> {
+impl Files for SingleFile<'_> {
     fn names(&self) -> Vec<String> {
         vec![self.name.to_owned()]
     }
@@ -241,7 +241,7 @@ fn assemble(
     files: &dyn Files,
     options: &ReadOptions,
     mut notes: Vec<String>,
-) -> Result<Loaded, Error> {
+) -> Result<LoadedVolume, Error> {
     drop_copies(&mut images, &mut notes);
     if let [image] = &images[..]
         && segmentation::is_segmentation(image.set())
@@ -293,7 +293,7 @@ fn assemble(
     notes.extend(stack.notes.iter().cloned());
     let labels = segmentation::labels_of_map(images[slices[0].image].set());
     let metadata = metadata(&images, &slices, &stack, options, &mut notes);
-    Ok(Loaded {
+    Ok(LoadedVolume {
         volume: Volume::new(grid, samples, rescale, metadata)?,
         labels,
         notes,
@@ -308,7 +308,7 @@ fn note_mislabelled(images: &[Image], notes: &mut Vec<String>) {
             false => "implicit",
         };
         notes.push(format!(
-            "the elements of {} files have {written} value representations, though the transfer syntax says otherwise (first in {})",
+            "the elements of {} files have {written} value representations, in contradiction to the transfer syntax (first in {})",
             1 + odd.count(),
             first.name
         ));
@@ -376,7 +376,7 @@ fn place(
                 let (name, missing) = unplaced.unwrap_or(("", tags::IMAGE_POSITION_PATIENT));
                 Error::from(ErrorKind::Missing {
                     field: tags::field_name(missing),
-                    allowed: "slices without a place in the patient make no volume; save them as PNG or TIFF and say the spacing when those are read".into(),
+                    allowed: "slices without a place in the patient make no volume; save them as PNG or TIFF and give the spacing when you read those".into(),
                 })
                 .in_file(name)
             }

@@ -4,7 +4,7 @@ use crate::{Label, Volume};
 
 /// What a file held.
 #[derive(Clone, Debug)]
-pub struct Loaded {
+pub struct LoadedVolume {
     /// The grid.
     pub volume: Volume,
     /// Names and colours of the objects, if the file says that its numbers are object ids.

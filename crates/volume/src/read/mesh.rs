@@ -106,7 +106,7 @@ fn placed(surface: Surface, space: Option<MeshSpace>) -> Result<LoadedMesh, Erro
         }
         (None, None) => {
             notes.push(format!(
-                "{} does not say its space; the mesh is taken as RAS mm",
+                "{} does not state its space; the mesh is read as RAS mm",
                 surface.format
             ));
             MeshSpace::Ras

@@ -28,13 +28,13 @@ use super::data_files::{self, ByteSkip, Place, Storage};
 use super::header_lines::{HeaderLines, numbers, required};
 use super::nrrd::modality_of;
 use super::stored::Stored;
-use super::{Input, Loaded, ReadOptions};
+use super::{Input, LoadedVolume, ReadOptions};
 use crate::error::{Error, ErrorKind};
 use crate::{Grid, Metadata, Rescale, SampleType, Volume};
 use glam::{DAffine3, DMat3, DVec3};
 use std::collections::BTreeMap;
 
-pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error> {
+pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<LoadedVolume, Error> {
     let header = Header::parse(input)?;
     let stored = header.sample_type()?;
     let mut notes = Vec::new();
@@ -94,7 +94,7 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error
             .unwrap_or(0.0),
     );
     let metadata = header.metadata(input.name, time_points, options.time_index);
-    Ok(Loaded {
+    Ok(LoadedVolume {
         volume: Volume::new(grid, samples, rescale, metadata)?,
         labels: None,
         notes,

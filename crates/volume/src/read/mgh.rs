@@ -16,7 +16,7 @@
 //! Where the place is not known, voxels are 1 mm apart and the volume is coronal about the origin, as in FreeSurfer.
 
 use super::block::{Block, Endian};
-use super::{Input, Loaded, ReadOptions};
+use super::{Input, LoadedVolume, ReadOptions};
 use crate::error::{Error, ErrorKind};
 use crate::{Grid, Metadata, Rescale, SampleType, Volume};
 use glam::{DAffine3, DMat3, DVec3};
@@ -47,7 +47,7 @@ fn sample_type(kind: i32) -> Option<SampleType> {
     })
 }
 
-pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error> {
+pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<LoadedVolume, Error> {
     let mut head = [0; 90];
     if input.bytes.len() < HEADER_BYTES {
         return Err(ErrorKind::Truncated {
@@ -91,7 +91,7 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error
         ),
         false => {
             notes.push(
-                "the file does not say where it lies; it is taken as coronal with voxels of 1 mm, as in FreeSurfer"
+                "the file has no position; it is read as coronal with voxels of 1 mm, as in FreeSurfer"
                     .into(),
             );
             (
@@ -140,7 +140,7 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error
             ..Metadata::default()
         },
     )?;
-    Ok(Loaded {
+    Ok(LoadedVolume {
         volume,
         labels: None,
         notes,

@@ -20,7 +20,7 @@
 
 use super::block::{Block, Endian};
 use super::stored::Stored;
-use super::{Input, Loaded, ReadOptions};
+use super::{Input, LoadedVolume, ReadOptions};
 use crate::error::{Error, ErrorKind};
 use crate::{Grid, Metadata, Modality, Rescale, SampleType, Volume};
 use glam::{DAffine3, DMat3, DVec3};
@@ -96,7 +96,7 @@ impl Header {
                 edge[axis] = step;
             } else {
                 notes.push(format!(
-                    "the cell does not say how far apart voxels are along {}; 1 Å is taken",
+                    "the cell has no voxel distance along {}; 1 Å is used",
                     ["x", "y", "z"][axis]
                 ));
             }
@@ -131,7 +131,7 @@ impl Header {
     }
 }
 
-pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error> {
+pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<LoadedVolume, Error> {
     let mut bytes = vec![0; HEADER_BYTES];
     if input.bytes.len() < HEADER_BYTES as u64 {
         return Err(ErrorKind::Truncated {
@@ -172,7 +172,7 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error
             (time_points, dims[2]) = (dims[2] / volumes, volumes);
         }
         0 if dims[2] > 1 && volumes == 1 => {
-            notes.push("the file says it is a stack of pictures; they are taken as slices".into());
+            notes.push("the file is marked as a stack of pictures; they are read as slices".into());
         }
         _ => {}
     }
@@ -224,7 +224,7 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error
             ..Metadata::default()
         },
     )?;
-    Ok(Loaded {
+    Ok(LoadedVolume {
         volume,
         labels: None,
         notes,

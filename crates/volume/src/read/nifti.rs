@@ -33,7 +33,7 @@ mod extensions;
 use super::block::{self, Block, Encoding, Endian, Trailing};
 use super::components::{self, Choice, Meaning};
 use super::stored::Stored;
-use super::{Bytes, Input, Loaded, ReadOptions};
+use super::{Bytes, Input, LoadedVolume, ReadOptions};
 use crate::error::{Error, ErrorKind};
 use crate::{Grid, Metadata, Rescale, SampleType, Volume, voxel_count};
 use glam::{DAffine3, DMat3, DVec3};
@@ -41,7 +41,7 @@ use glam::{DAffine3, DMat3, DVec3};
 /// The magic that says that the numbers are ids of objects.
 const INTENT_LABEL: i64 = 1002;
 
-pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error> {
+pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<LoadedVolume, Error> {
     let (head_encoding, head) = header_bytes(input.bytes)?;
     let mut header = Header::parse(&head)?;
     let lower = input.name.to_ascii_lowercase();
@@ -76,7 +76,7 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error
         n => (n * behind, Meaning::Colour),
     };
     if side_by_side > 1 && behind > 1 {
-        return Err(Error::field("dim[5]", behind, "1 for colours"));
+        return Err(Error::field("dim[5]", behind, "1 for colors"));
     }
     let choice = components::choice(numbers, meaning, options, &mut notes)?;
     let count = components::total(grid.voxel_count(), side_by_side)?;
@@ -148,7 +148,7 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error
     )?;
     let metadata = header.metadata(input.name, time_points, options.time_index);
     let rescale = Rescale::new(header.scl_slope, header.scl_inter);
-    Ok(Loaded {
+    Ok(LoadedVolume {
         volume: Volume::new(grid, samples, rescale, metadata)?,
         labels,
         notes,
@@ -177,7 +177,7 @@ fn image_of_header(input: &Input) -> Result<String, Error> {
         .ok_or_else(|| {
             ErrorKind::Missing {
                 field: format!("the data file {stem}.img"),
-                allowed: "the header says that the samples lie in a file of that name beside it"
+                allowed: "the header refers to a file of that name beside it for the samples"
                     .into(),
             }
             .into()
@@ -574,8 +574,8 @@ impl Header {
             DAffine3::from_mat3_translation(self.rotation() * scale, self.qoffset.into())
         } else {
             notes.push(match self.version {
-                Version::Analyze => "Analyze 7.5 does not say which side is left; x is taken to run to the left, as nibabel and SPM do".into(),
-                _ => "sform_code and qform_code are 0: the file does not say where it lies; x is taken to run to the left, as nibabel does".into(),
+                Version::Analyze => "Analyze 7.5 does not state which side is left; x is assumed to run to the left, as in nibabel and SPM".into(),
+                _ => "sform_code and qform_code are 0: the file has no position; x is assumed to run to the left, as in nibabel".into(),
             });
             let spacing = DVec3::new(-self.pixdim[1], self.pixdim[2], self.pixdim[3]);
             DAffine3::from_mat3_translation(

@@ -15,14 +15,14 @@
 
 use super::block::{Block, Endian, Trailing};
 use super::stored::Stored;
-use super::{Bytes, Input, Loaded, ReadOptions, unoriented};
+use super::{Bytes, Input, LoadedVolume, ReadOptions, unoriented};
 use crate::error::{Error, ErrorKind};
 use crate::{Metadata, Rescale, SampleType, Volume, voxel_count};
 
 /// What NumPy itself still reads without being asked twice is 10,000 characters.
 const LONGEST_HEADER: u64 = 1 << 16;
 
-pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error> {
+pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<LoadedVolume, Error> {
     let header = Header::read(input.bytes)?;
     let mut notes = Vec::new();
     let (dims, time_points) = header.dims(&mut notes)?;
@@ -80,7 +80,7 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error
             ..Metadata::default()
         },
     )?;
-    Ok(Loaded {
+    Ok(LoadedVolume {
         volume,
         labels: None,
         notes,
@@ -416,7 +416,7 @@ mod tests {
     use crate::read::MemoryFiles;
     use proptest::prelude::*;
 
-    fn load_at(file: &[u8], time_index: usize) -> Result<Loaded, Error> {
+    fn load_at(file: &[u8], time_index: usize) -> Result<LoadedVolume, Error> {
         let input = Input {
             name: "test.npy",
             bytes: &file,
@@ -429,7 +429,7 @@ mod tests {
         read(&input, &options)
     }
 
-    fn load(file: &[u8]) -> Result<Loaded, Error> {
+    fn load(file: &[u8]) -> Result<LoadedVolume, Error> {
         load_at(file, 0)
     }
 

@@ -8,7 +8,7 @@
 //!
 //! The one array is read, or the one with three or four axes. (Archives beyond 4 GiB are refused.)
 
-use super::{Bytes, Input, Loaded, ReadOptions, npy};
+use super::{Bytes, Input, LoadedVolume, ReadOptions, npy};
 use crate::error::{Error, ErrorKind};
 use std::io::Read;
 
@@ -83,7 +83,7 @@ pub(crate) fn is_npz(bytes: &dyn Bytes) -> bool {
     entries(bytes).is_ok_and(|entries| !entries.is_empty())
 }
 
-pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error> {
+pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<LoadedVolume, Error> {
     let entries = entries(input.bytes)?;
     let mut arrays = Vec::new();
     for entry in &entries {

@@ -31,13 +31,13 @@ use super::components::{self, Choice, Meaning};
 use super::data_files::{self, ByteSkip, Place, Storage};
 use super::header_lines::{HeaderLines, numbers, required};
 use super::stored::Stored;
-use super::{Input, Loaded, ReadOptions};
+use super::{Input, LoadedVolume, ReadOptions};
 use crate::error::{Error, ErrorKind};
 use crate::{Grid, Label, Metadata, Modality, Rescale, SampleType, Samples, Volume, with_samples};
 use glam::{DAffine3, DMat3, DVec3};
 use std::collections::BTreeMap;
 
-pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error> {
+pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<LoadedVolume, Error> {
     let header = Header::parse(input)?;
     let mut notes = Vec::new();
 
@@ -88,7 +88,7 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error
     };
     let labels = header.labels(options.time_index, frames, &mut notes)?;
     let metadata = header.metadata(input.name, &axes, options.time_index);
-    Ok(Loaded {
+    Ok(LoadedVolume {
         volume: Volume::new(grid, samples, Rescale::IDENTITY, metadata)?,
         labels,
         notes,
@@ -112,8 +112,8 @@ fn one_number(
             Ok(samples)
         }
         Choice::Luminance => Err(ErrorKind::Unsupported {
-            feature: format!("colour along axis {axis}"),
-            instead: "pick one of its components, or write colours as the first axis".into(),
+            feature: format!("color along axis {axis}"),
+            instead: "pick one of its components, or write colors as the first axis".into(),
         }
         .into()),
     }
@@ -260,7 +260,7 @@ impl Header {
         if !ended && !header.fields.contains_key("datafile") {
             return Err(ErrorKind::Missing {
                 field: "the empty line that ends the header".into(),
-                allowed: "then the samples, or a field `data file` that says where they are".into(),
+                allowed: "then the samples, or a field `data file` with their place".into(),
             }
             .into());
         }
@@ -527,7 +527,7 @@ impl Header {
             }
             "scanner-xyz" | "3d-right-handed" | "3d-left-handed" => {
                 notes.push(format!(
-                    "space {space} does not say where the patient is; its axes are taken as left, back, up (LPS), as ITK does"
+                    "space {space} does not state the patient's orientation; its axes are read as left, back, up (LPS), as by ITK"
                 ));
                 DVec3::new(-1.0, -1.0, 1.0)
             }

@@ -90,7 +90,7 @@ impl ReadOptions {
                 let why = match what {
                     Open::Series => "have no series",
                     Open::Component => "are read with one number per voxel",
-                    _ => "say it themselves",
+                    _ => "contain it",
                 };
                 return Err(Error::field(
                     name,
@@ -130,7 +130,7 @@ mod tests {
             .to_string();
         assert_eq!(
             message,
-            "dims is 3,4,5; allowed: nothing: NIfTI files say it themselves"
+            "dims is 3,4,5; allowed: nothing: NIfTI files contain it"
         );
         let refused = |change: fn(&mut ReadOptions)| {
             let mut options = ReadOptions::default();

@@ -15,7 +15,7 @@
 mod dds;
 
 use super::block::{Block, Endian};
-use super::{Bytes, Input, Loaded, ReadOptions, unoriented};
+use super::{Bytes, Input, LoadedVolume, ReadOptions, unoriented};
 use crate::error::{Error, ErrorKind};
 use crate::{Metadata, Rescale, SampleType, Samples, Volume, voxel_count};
 use dds::Stream;
@@ -28,7 +28,7 @@ const LONGEST_TEXTS: u64 = 1 << 16;
 
 const TEXTS: [&str; 4] = ["description", "courtesy", "parameter", "comment"];
 
-pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error> {
+pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<LoadedVolume, Error> {
     let content = match Stream::open(input.bytes)? {
         Some(stream) => Content::open(stream)?,
         None => Content::Plain(input.bytes),
@@ -78,7 +78,7 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error
             ..Metadata::default()
         },
     )?;
-    Ok(Loaded {
+    Ok(LoadedVolume {
         volume,
         labels: None,
         notes,
@@ -154,7 +154,7 @@ impl Header {
             "2" => SampleType::U16,
             "3" | "4" => {
                 return Err(ErrorKind::Unsupported {
-                    feature: format!("a PVM volume of colours ({components} components)"),
+                    feature: format!("a PVM volume of colors ({components} components)"),
                     instead: "write one channel as a volume of its own".into(),
                 }
                 .into());
@@ -296,7 +296,7 @@ mod tests {
     use crate::read::MemoryFiles;
     use proptest::prelude::*;
 
-    fn load(file: &[u8]) -> Result<Loaded, Error> {
+    fn load(file: &[u8]) -> Result<LoadedVolume, Error> {
         let input = Input {
             name: "test.pvm",
             bytes: &file,
@@ -373,7 +373,7 @@ mod tests {
             ("PVM\n65535 65535 65535\n1\n", "281462092005375 bytes"),
             ("PVM2\n4 3 2\n1 0 1\n1\n", "scale is `1 0 1`"),
             ("PVM2\n4 3 2\n1 nan 1\n1\n", "scale is `1 nan 1`"),
-            ("PVM\n4 3 2\n3\n", "colours"),
+            ("PVM\n4 3 2\n3\n", "colors"),
             ("PVM\n4 3 2\n7\n", "components is `7`"),
             ("PVM\n4 3 2", "missing"),
             ("PVM4\n4 3 2\n1\n", "magic is `PVM4`"),

@@ -10,11 +10,11 @@
 //! [`SampleType::from_name`] knows, alone or with `be` or `le` behind it (`int16be`, `u16_be`).
 
 use super::block::{Block, Encoding, Endian, Trailing};
-use super::{Bytes, Input, Loaded, RawLayout, ReadOptions, unoriented};
+use super::{Bytes, Input, LoadedVolume, RawLayout, ReadOptions, unoriented};
 use crate::error::{Error, ErrorKind, Remedy};
 use crate::{Metadata, Rescale, SampleType, Samples, Volume, voxel_count};
 
-pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error> {
+pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<LoadedVolume, Error> {
     let of_name = layout_of_name(input.name).unwrap_or_default();
     let said = &options.raw;
     let len = input.bytes.len().saturating_sub(said.header_bytes);
@@ -63,7 +63,7 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error
             }
         ));
     }
-    Ok(Loaded {
+    Ok(LoadedVolume {
         volume,
         labels: None,
         notes,
@@ -158,7 +158,7 @@ fn missing_dims(sample_type: Option<SampleType>, bytes: u64) -> Error {
     Error::from(ErrorKind::Missing {
         field: "the size of the headerless samples".into(),
         allowed: format!(
-            "say size and type, or name the file like `name_256x256x128_uint8.raw`{}",
+            "give size and type, or name the file like `name_256x256x128_uint8.raw`{}",
             cube.unwrap_or_default()
         ),
     })
@@ -177,7 +177,7 @@ fn missing_type(dims: [usize; 3], bytes: u64) -> Error {
     Error::from(ErrorKind::Missing {
         field: "the type of the headerless samples".into(),
         allowed: format!(
-            "say u8 (or u16, i16, f32, …), or name the file like `name_{x}x{y}x{z}_uint8.raw`{fits}"
+            "give u8 (or u16, i16, f32, …), or name the file like `name_{x}x{y}x{z}_uint8.raw`{fits}"
         ),
     })
     .with_remedy(Remedy::Type)
@@ -249,7 +249,7 @@ mod tests {
     use super::*;
     use crate::read::{MemoryFiles, read_file};
 
-    fn load(name: &str, data: &[u8], options: &ReadOptions) -> Result<Loaded, Error> {
+    fn load(name: &str, data: &[u8], options: &ReadOptions) -> Result<LoadedVolume, Error> {
         let files = MemoryFiles::from([(name.to_owned(), data.to_vec())]);
         read_file(name, &files, options)
     }
@@ -364,10 +364,10 @@ mod tests {
         let header = Some(Remedy::HeaderBytes(6));
         let edge = 1_048_576;
         let cases = [
-            ("scan.raw", 27, "say size and type", layout),
+            ("scan.raw", 27, "give size and type", layout),
             ("scan.raw", 27, "27 bytes would fit 3x3x3 u8", layout),
             ("scan.raw", 216, "216 bytes would fit 6x6x6 u8", layout),
-            ("scan_4x3x2.raw", 48, "say u8 (or u16", kind),
+            ("scan_4x3x2.raw", 48, "give u8 (or u16", kind),
             ("scan_4x3x2.raw", 48, "size fits u16, i16", kind),
             ("scan_4x3x2.raw", 50, "50 bytes, fits no type", kind),
             (

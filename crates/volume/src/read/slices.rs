@@ -4,7 +4,7 @@
 //! Row 0 of a picture is its top and lies at y = 0; see [`unoriented`] for what that is in the world.
 
 use super::sniff::{self, Kind};
-use super::{Bytes, Files, Input, Loaded, ReadOptions, block, bmp, png, unoriented};
+use super::{Bytes, Files, Input, LoadedVolume, ReadOptions, block, bmp, png, unoriented};
 use crate::cores;
 use crate::error::{Error, ErrorKind};
 use crate::{Metadata, Rescale, Samples, Volume};
@@ -12,7 +12,11 @@ use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
 /// One picture that is no TIFF: a volume of one slice.
-pub(crate) fn read_one(kind: Kind, input: &Input, options: &ReadOptions) -> Result<Loaded, Error> {
+pub(crate) fn read_one(
+    kind: Kind,
+    input: &Input,
+    options: &ReadOptions,
+) -> Result<LoadedVolume, Error> {
     let mut notes = Vec::new();
     let picture = picture(kind, input.bytes, options, &mut notes)?;
     let format = match kind {
@@ -55,7 +59,7 @@ pub(crate) fn read_pictures(
     files: &dyn Files,
     names: Vec<String>,
     options: &ReadOptions,
-) -> Result<Loaded, Error> {
+) -> Result<LoadedVolume, Error> {
     let mut notes = Vec::new();
     let names = in_order(names, &mut notes)?;
     let decode = |name: &String| slice(name, files, options).map_err(|error| error.in_file(name));
@@ -149,7 +153,7 @@ fn volume(
     all: Slice,
     slices: usize,
     options: &ReadOptions,
-) -> Result<Loaded, Error> {
+) -> Result<LoadedVolume, Error> {
     if options.time_index > 0 {
         return Err(Error::field("time point", options.time_index, "0"));
     }
@@ -167,7 +171,7 @@ fn volume(
             ..Metadata::default()
         },
     )?;
-    Ok(Loaded {
+    Ok(LoadedVolume {
         volume,
         labels: None,
         notes: all.notes,

@@ -64,7 +64,26 @@ pub(crate) enum Kind {
     Foreign(Foreign),
 }
 
-/// The kind of a file, if its bytes say.
+impl Kind {
+    /// Whether one file of this kind is a whole volume, or its header.
+    pub(crate) fn is_volume(&self) -> bool {
+        matches!(
+            self,
+            Kind::Nifti
+                | Kind::Nrrd
+                | Kind::MetaImage
+                | Kind::Npy
+                | Kind::Pvm
+                | Kind::Dat
+                | Kind::Mgh
+                | Kind::Vtk
+                | Kind::Vti
+                | Kind::Mrc
+        )
+    }
+}
+
+/// The kind of a file, if its content shows it.
 ///
 /// # Errors
 /// What the system says.

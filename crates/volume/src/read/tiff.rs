@@ -23,13 +23,13 @@ mod source;
 use super::block::{self, Block, Endian};
 use super::components;
 use super::stored::Stored;
-use super::{Bytes, Input, Loaded, ReadOptions, unoriented};
+use super::{Bytes, Input, LoadedVolume, ReadOptions, unoriented};
 use crate::error::{Error, ErrorKind};
 use crate::{Grid, Metadata, Modality, Rescale, SampleType, Samples, Volume};
 use description::{Description, Writer};
 use directory::{Directories, Page, Photometric};
 
-pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error> {
+pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<LoadedVolume, Error> {
     let file = Directories::read(input.bytes)?;
     let mut notes = Vec::new();
     let first = file.first()?;
@@ -94,7 +94,7 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error
             ..Metadata::default()
         },
     )?;
-    Ok(Loaded {
+    Ok(LoadedVolume {
         volume,
         labels: None,
         notes,
@@ -203,7 +203,7 @@ fn note_photometric(
         }
         // ImageJ writes the colours in which a grey stack was shown as a palette.
         Photometric::Palette if described.is_some_and(|d| d.writer == Writer::ImageJ) => {
-            notes.push("ImageJ's colours are left out; the numbers are kept as they are".into());
+            notes.push("ImageJ's colors are left out; the numbers are kept as they are".into());
             Ok(())
         }
         Photometric::Palette => Err(directory::colour("a palette")),
@@ -268,7 +268,7 @@ impl<'a> Images<'a> {
             }
             if found / image_bytes > 1 || file.metamorph.is_some() {
                 return Err(ErrorKind::Truncated {
-                    what: format!("the stack of {promised} images (as {writer} says)"),
+                    what: format!("the stack of {promised} images (according to {writer})"),
                     expected,
                     found,
                 }
@@ -356,7 +356,7 @@ impl Order {
         if slices.checked_mul(times) != Some(images) {
             if slices.max(times) > 1 {
                 notes.push(format!(
-                    "the description says {slices} slices at {times} times, {images} pages are there: all are taken as slices"
+                    "the description states {slices} slices at {times} times, but there are {images} pages: all are read as slices"
                 ));
             }
             return Ok(all_slices);

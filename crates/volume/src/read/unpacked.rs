@@ -5,20 +5,20 @@
 
 use super::block::{self, Encoding};
 use super::sniff::{self, Kind};
-use super::{Bytes, Input, Loaded};
+use super::{Bytes, Input, LoadedVolume};
 use crate::error::{Error, ErrorKind};
 use std::io::{self, Read};
 use std::sync::Mutex;
 
 /// Reads bytes of a kind, or finds out which kind they are.
-type ReadKind<'r> = dyn Fn(Option<Kind>, &Input) -> Result<Loaded, Error> + 'r;
+type ReadKind<'r> = dyn Fn(Option<Kind>, &Input) -> Result<LoadedVolume, Error> + 'r;
 
 /// Reads what is in a packed file: `read_kind` is told the kind of the unpacked bytes, if they say it.
 pub(crate) fn read(
     input: &Input,
     encoding: Encoding,
     read_kind: &ReadKind,
-) -> Result<Loaded, Error> {
+) -> Result<LoadedVolume, Error> {
     let unpacked = Unpacked::new(input.bytes, encoding)?;
     let packed_name = input.name;
     let lower = input.name.to_ascii_lowercase();

@@ -15,7 +15,7 @@
 use super::block::{self, Block, Encoding, Endian, Trailing};
 use super::components;
 use super::stored::Stored;
-use super::{Bytes, Input, Loaded, ReadOptions, base64, unoriented, vtk, xml};
+use super::{Bytes, Input, LoadedVolume, ReadOptions, base64, unoriented, vtk, xml};
 use crate::error::{Error, ErrorKind};
 use crate::{Grid, Metadata, Rescale, Samples, Volume};
 use flate2::bufread::ZlibDecoder;
@@ -25,9 +25,9 @@ use std::io::Read;
 /// Elements of XML take no more; the samples stand between or behind them.
 const MOST_XML_BYTES: u64 = 1 << 31;
 
-pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error> {
+pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<LoadedVolume, Error> {
     let mut notes = vec![
-        "VTK does not say where the patient is; its axes are taken as left, back, up (LPS), as ITK does".into(),
+        "VTK files do not state the patient's orientation; the axes are read as left, back, up (LPS), as by ITK".into(),
     ];
     let file = File::open(input.bytes)?;
     let (array, is_of_cells) = file.array(&mut notes)?;
@@ -49,7 +49,7 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error
             ..Metadata::default()
         },
     )?;
-    Ok(Loaded {
+    Ok(LoadedVolume {
         volume,
         labels: None,
         notes,

@@ -17,7 +17,7 @@ use super::block::{Block, Encoding, Endian, Trailing};
 use super::components::{self, Meaning};
 use super::header_lines::{HeaderLines, numbers, required};
 use super::stored::Stored;
-use super::{Input, Loaded, ReadOptions, unoriented};
+use super::{Input, LoadedVolume, ReadOptions, unoriented};
 use crate::error::{Error, ErrorKind};
 use crate::{Grid, Metadata, Rescale, SampleType, Samples, Volume, voxel_count};
 use glam::{DAffine3, DVec3};
@@ -71,11 +71,11 @@ pub(crate) fn grid(
     )
 }
 
-pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error> {
+pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<LoadedVolume, Error> {
     let header = Header::parse(input)?;
     let grid = header.grid(options)?;
     let mut notes = header.notes;
-    notes.push("VTK does not say where the patient is; its axes are taken as left, back, up (LPS), as ITK does".into());
+    notes.push("VTK files do not state the patient's orientation; the axes are read as left, back, up (LPS), as by ITK".into());
     let count = grid.voxel_count();
     if count != header.count {
         return Err(Error::field(
@@ -120,7 +120,7 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<Loaded, Error
             ..Metadata::default()
         },
     )?;
-    Ok(Loaded {
+    Ok(LoadedVolume {
         volume,
         labels: None,
         notes,

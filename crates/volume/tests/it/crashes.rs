@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 use strahl_volume::read::mesh::{self, MeshSpace};
-use strahl_volume::read::{Loaded, MemoryFiles, ReadOptions, read_file, read_folder};
+use strahl_volume::read::{LoadedVolume, MemoryFiles, ReadOptions, read_file, read_folder};
 
 const SEPARATOR: &[u8] = b"\n--next file--\n";
 
@@ -69,7 +69,7 @@ fn parts<'a>(input: &'a [u8], names: &[&str]) -> MemoryFiles {
 const MESHES: [&str; 3] = ["obj", "ply", "stl"];
 
 /// What must hold for every volume, whatever the file said.
-fn check(loaded: &Loaded, input: &Path) {
+fn check(loaded: &LoadedVolume, input: &Path) {
     let volume = &loaded.volume;
     let grid = volume.grid();
     assert_eq!(volume.samples().len(), grid.voxel_count(), "{input:?}");

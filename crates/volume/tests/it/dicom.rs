@@ -2,7 +2,7 @@
 
 use crate::{assert_affine, gzip, message, read, read_with};
 use glam::{DAffine3, DMat3, DVec3};
-use strahl_volume::read::{Loaded, MemoryFiles, ReadOptions, read_folder};
+use strahl_volume::read::{LoadedVolume, MemoryFiles, ReadOptions, read_folder};
 use strahl_volume::{Error, Samples};
 
 /// Elements in explicit little endian, kept in rising order of their tags.
@@ -121,7 +121,7 @@ fn image(columns: u16, rows: u16, samples: &[u16]) -> Set {
     set
 }
 
-fn folder(sets: &[Set], time_index: usize) -> Result<Loaded, Error> {
+fn folder(sets: &[Set], time_index: usize) -> Result<LoadedVolume, Error> {
     let files: MemoryFiles = sets
         .iter()
         .enumerate()
@@ -134,11 +134,11 @@ fn folder(sets: &[Set], time_index: usize) -> Result<Loaded, Error> {
     read_folder("series", &files, &options)
 }
 
-fn one(set: &Set) -> Result<Loaded, Error> {
+fn one(set: &Set) -> Result<LoadedVolume, Error> {
     read(&[("a.dcm", &set.file())])
 }
 
-fn samples(loaded: &Loaded) -> Vec<u16> {
+fn samples(loaded: &LoadedVolume) -> Vec<u16> {
     match loaded.volume.samples() {
         Samples::U16(samples) => samples.clone(),
         other => panic!("{}", other.sample_type()),

@@ -16,11 +16,11 @@ mod tiff;
 mod vtk;
 
 use glam::DAffine3;
-use strahl_volume::read::{Loaded, MemoryFiles, ReadOptions, read_file};
+use strahl_volume::read::{LoadedVolume, MemoryFiles, ReadOptions, read_file};
 use strahl_volume::{Error, Samples};
 
 /// Reads the first of `files`; the others lie beside it.
-fn read_with(files: &[(&str, &[u8])], options: &ReadOptions) -> Result<Loaded, Error> {
+fn read_with(files: &[(&str, &[u8])], options: &ReadOptions) -> Result<LoadedVolume, Error> {
     let folder: MemoryFiles = files
         .iter()
         .map(|&(name, bytes)| (name.to_owned(), bytes.to_vec()))
@@ -28,7 +28,7 @@ fn read_with(files: &[(&str, &[u8])], options: &ReadOptions) -> Result<Loaded, E
     read_file(files[0].0, &folder, options)
 }
 
-fn read(files: &[(&str, &[u8])]) -> Result<Loaded, Error> {
+fn read(files: &[(&str, &[u8])]) -> Result<LoadedVolume, Error> {
     read_with(files, &ReadOptions::default())
 }
 

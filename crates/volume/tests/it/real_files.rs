@@ -3,9 +3,9 @@
 use glam::DVec3;
 use std::path::PathBuf;
 use strahl_volume::read::{MemoryFiles, ReadOptions, read_file};
-use strahl_volume::{Label, LabelVolume, SampleType, read::Loaded};
+use strahl_volume::{Label, LabelVolume, SampleType, read::LoadedVolume};
 
-fn load(name: &str) -> Option<Loaded> {
+fn load(name: &str) -> Option<LoadedVolume> {
     let shared = std::env::var_os("STRAHL_SHARED").map_or_else(
         || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared"),
         PathBuf::from,
@@ -105,7 +105,7 @@ fn brain() {
 /// Names and numbers of voxels as Python's re and NumPy find them.
 #[test]
 fn labels() {
-    let counts = |loaded: Loaded| {
+    let counts = |loaded: LoadedVolume| {
         let labels = LabelVolume::from_volume(loaded.volume, loaded.labels.unwrap()).unwrap();
         let counts = labels.counts();
         (labels, counts)

@@ -3,7 +3,7 @@
 use crate::{assert_affine, bits};
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use proptest::prelude::*;
-use strahl_volume::read::{Loaded, RawLayout, ReadOptions, read_file};
+use strahl_volume::read::{LoadedVolume, RawLayout, ReadOptions, read_file};
 use strahl_volume::write::{NewMemoryFiles, WriteOptions, write};
 use strahl_volume::{
     Grid, Label, Metadata, Modality, Rescale, Sample, SampleType, Samples, Volume, with_samples,
@@ -69,7 +69,7 @@ fn volume() -> impl Strategy<Value = Volume> {
         })
 }
 
-fn write_and_read(name: &str, volume: &Volume, options: &WriteOptions) -> Loaded {
+fn write_and_read(name: &str, volume: &Volume, options: &WriteOptions) -> LoadedVolume {
     let mut folder = NewMemoryFiles::default();
     write(name, volume, options, &mut folder).unwrap();
     let mut options = ReadOptions::default();

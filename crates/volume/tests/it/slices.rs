@@ -2,7 +2,7 @@
 
 use crate::{gzip, message, read, read_with, tiff};
 use glam::DVec3;
-use strahl_volume::read::{Loaded, MemoryFiles, ReadOptions, read_folder};
+use strahl_volume::read::{LoadedVolume, MemoryFiles, ReadOptions, read_folder};
 use strahl_volume::{Error, Samples};
 
 /// A grey PNG.
@@ -39,7 +39,7 @@ pub(crate) fn png(width: u32, height: u32, data: &[u8]) -> Vec<u8> {
     )
 }
 
-fn folder(files: &[(&str, Vec<u8>)]) -> Result<Loaded, Error> {
+fn folder(files: &[(&str, Vec<u8>)]) -> Result<LoadedVolume, Error> {
     let files: MemoryFiles = files
         .iter()
         .map(|(name, bytes)| (name.to_string(), bytes.clone()))

@@ -409,11 +409,11 @@ fn what_is_not_grey_is_refused() {
     for (page, part) in [
         (
             page().set(262, SHORT, &[3]).set(320, SHORT, &palette),
-            "colour (a palette)",
+            "color (a palette)",
         ),
         (
             page().set(262, SHORT, &[6]).set(277, SHORT, &[3]),
-            "colour (YCbCr)",
+            "color (YCbCr)",
         ),
         (
             page().set(262, SHORT, &[2]).set(277, SHORT, &[2]),
@@ -725,7 +725,7 @@ fn the_shape_that_tifffile_writes_is_kept() {
         };
         read_with(&[("v.tif", file)], &options)
     };
-    let first = |loaded: &strahl_volume::read::Loaded| {
+    let first = |loaded: &strahl_volume::read::LoadedVolume| {
         (0..loaded.volume.grid().dims()[2])
             .map(|z| loaded.volume.value(0, 0, z))
             .collect::<Vec<_>>()

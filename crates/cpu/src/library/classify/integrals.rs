@@ -353,12 +353,12 @@ fn in_a_row<S: Level>(
 
 /// All that a table depends on.
 #[derive(Clone, PartialEq)]
-pub struct IntegralsOf {
+pub struct IntegralsKey {
     table: TransferTable,
     step_mm: f64,
 }
 
-impl Key for IntegralsOf {
+impl Key for IntegralsKey {
     type Value = Integrals;
 
     const NAME: &str = "integrals";
@@ -378,7 +378,7 @@ impl Integrals {
         if plan.sampling != Sampling::Integrated {
             return Ok(None);
         }
-        let key = IntegralsOf {
+        let key = IntegralsKey {
             table: plan.technique_of(object).table.clone(),
             step_mm: plan.lattice.step_mm,
         };

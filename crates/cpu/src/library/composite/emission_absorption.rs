@@ -1,8 +1,8 @@
 //! N. Max, "Optical models for direct volume rendering" (1995), front to back.
 
 use super::rule::{Rule, Sample};
-use super::sees::Sees;
 use super::state::State;
+use super::visible_values::VisibleValues;
 use crate::lanes::{F32s, Mask, Vec3s};
 use crate::levels::Level;
 use crate::library::classify::Surface;
@@ -14,8 +14,8 @@ pub struct EmissionAbsorption {
 }
 
 impl Rule for EmissionAbsorption {
-    fn sees(&self) -> Sees {
-        Sees::Shown
+    fn sees(&self) -> VisibleValues {
+        VisibleValues::Shown
     }
 
     #[inline(always)]

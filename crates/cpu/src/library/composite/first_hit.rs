@@ -1,8 +1,8 @@
 //! The first place on the ray where the value reaches a threshold.
 
 use super::rule::{Crossing, Rule, Sample};
-use super::sees::Sees;
 use super::state::State;
+use super::visible_values::VisibleValues;
 use crate::lanes::{F32s, Mask};
 use crate::levels::{Level, inlined, vectorized};
 
@@ -80,8 +80,8 @@ impl Rule for FirstHit {
         true
     }
 
-    fn sees(&self) -> Sees {
-        Sees::From(self.threshold)
+    fn sees(&self) -> VisibleValues {
+        VisibleValues::From(self.threshold)
     }
 
     #[inline(always)]

@@ -1,8 +1,8 @@
 //! Minimum intensity projection.
 
 use super::rule::{Crossing, Rule, Sample};
-use super::sees::Sees;
 use super::state::State;
+use super::visible_values::VisibleValues;
 use crate::lanes::{F32s, Mask};
 use crate::levels::Level;
 
@@ -11,8 +11,8 @@ use crate::levels::Level;
 pub struct Minip;
 
 impl Rule for Minip {
-    fn sees(&self) -> Sees {
-        Sees::Smaller
+    fn sees(&self) -> VisibleValues {
+        VisibleValues::Smaller
     }
 
     #[inline(always)]

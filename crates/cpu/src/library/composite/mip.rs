@@ -1,8 +1,8 @@
 //! Maximum intensity projection.
 
 use super::rule::{Crossing, Rule, Sample};
-use super::sees::Sees;
 use super::state::State;
+use super::visible_values::VisibleValues;
 use crate::lanes::{F32s, Mask};
 use crate::levels::Level;
 
@@ -11,8 +11,8 @@ use crate::levels::Level;
 pub struct Mip;
 
 impl Rule for Mip {
-    fn sees(&self) -> Sees {
-        Sees::Larger
+    fn sees(&self) -> VisibleValues {
+        VisibleValues::Larger
     }
 
     #[inline(always)]

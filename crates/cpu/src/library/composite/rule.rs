@@ -1,5 +1,5 @@
-use super::sees::Sees;
 use super::state::State;
+use super::visible_values::VisibleValues;
 use crate::doubles::F64s;
 use crate::lanes::{F32s, Mask, Vec3s, each, scale};
 use crate::levels::{Level, vectorized};
@@ -21,8 +21,8 @@ pub trait Rule: Copy {
     }
 
     /// Which samples can change a ray, by their values; the others need not be reconstructed.
-    fn sees(&self) -> Sees {
-        Sees::Every
+    fn sees(&self) -> VisibleValues {
+        VisibleValues::Every
     }
 
     /// Rays without samples.

@@ -243,7 +243,7 @@ impl Stacked {
         };
         if !is_placed {
             notes.push(
-                "the file does not say how the patient lay; its slices count as axial, from the feet up"
+                "the file does not state the patient's orientation; its slices are read as axial, from the feet up"
                     .to_owned(),
             );
         }
@@ -288,7 +288,7 @@ fn frame_distance(
     match set.decimal(tags::SLICE_THICKNESS)? {
         Some(thickness) if thickness > 0.0 && is_tomograph && is_placed && !is_film => {
             notes.push(format!(
-                "the file of {count} frames does not say how far apart they are; the slice thickness, {thickness} mm, is taken"
+                "the file of {count} frames does not state their distance; the slice thickness, {thickness} mm, is used"
             ));
             Ok(thickness)
         }

@@ -110,7 +110,7 @@ impl Stream {
         let frame = &mut self.frame;
         if (columns, rows, usize::from(count)) != (frame.columns, frame.rows, components) {
             return Err(format!(
-                "it holds {columns}×{rows} samples of {count} components, the header says {}×{} of {components}",
+                "it holds {columns}×{rows} samples of {count} components, the header states {}×{} of {components}",
                 frame.columns, frame.rows
             ));
         }

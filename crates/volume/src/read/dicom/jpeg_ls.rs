@@ -74,7 +74,7 @@ pub(super) fn decode(
                 let components = word(4)? & 0xFF;
                 if header.columns != columns || header.rows != rows {
                     return Err(format!(
-                        "it holds {}×{} samples, the header says {columns}×{rows}",
+                        "it holds {}×{} samples, the header states {columns}×{rows}",
                         header.columns, header.rows
                     ));
                 }

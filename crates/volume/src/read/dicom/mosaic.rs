@@ -92,12 +92,12 @@ impl Mosaic {
                     field_name(tags::NUMBER_OF_IMAGES_IN_MOSAIC),
                     field_name(tags::CSA_IMAGE_HEADER)
                 ),
-                instead: "nothing says how many slices its tiles hold; take files that were not stripped of private elements".into(),
+                instead: "no element states the number of slices; use files whose private elements were not removed".into(),
             }
             .into());
         }
         notes.push(
-            "the images say MOSAIC but not of how many slices; each is taken as one slice".into(),
+            "the images are marked MOSAIC but do not state their number of slices; each is read as one slice".into(),
         );
         Ok(None)
     }

@@ -47,7 +47,7 @@ impl Layout {
                     "{} with {samples} samples per pixel",
                     photometric.as_deref().unwrap_or("colour")
                 ),
-                instead: "only grey images (MONOCHROME1, MONOCHROME2) make a volume; convert colour to grey first".into(),
+                instead: "only grey images (MONOCHROME1, MONOCHROME2) make a volume; convert color to grey first".into(),
             }
             .into());
         }
@@ -169,10 +169,10 @@ pub(super) fn missing(tag: Tag, allowed: &str) -> Error {
 pub(super) fn missing_spacing(slices: usize) -> Error {
     Error::from(ErrorKind::Unsupported {
         feature: format!(
-            "a file of {slices} frames that says neither where each lies (functional groups) nor {}",
+            "a file of {slices} frames that states neither their positions (functional groups) nor {}",
             field_name(tags::SPACING_BETWEEN_SLICES)
         ),
-        instead: "its frames may be moments of a film; if they are slices, their spacing has to be said".into(),
+        instead: "its frames may be moments of a film; if they are slices, give their spacing".into(),
     })
     .with_remedy(Remedy::Spacing)
 }
@@ -479,7 +479,7 @@ impl<'a> Source<'a> {
         Err(compression(
             codec,
             format!(
-                "it holds {columns}×{rows} samples of {components} components, the elements say {}×{} of 1",
+                "it holds {columns}×{rows} samples of {components} components, the elements state {}×{} of 1",
                 self.layout.columns, self.layout.rows
             ),
         ))

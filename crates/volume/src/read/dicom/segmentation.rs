@@ -9,7 +9,7 @@ use super::image::{Image, Lookup};
 use super::pixels::missing;
 use super::tags::{self, Tag, field_name};
 use crate::error::{Error, ErrorKind};
-use crate::read::{Bytes, Loaded, block};
+use crate::read::{Bytes, LoadedVolume, block};
 use crate::{Grid, Label, Metadata, Rescale, Samples, Volume};
 use glam::{DAffine3, DMat3, DVec3};
 
@@ -96,7 +96,7 @@ struct Shape {
 ///
 /// # Errors
 /// Frames without place or segment, slices that do not lie evenly, packed frames, or too little data.
-pub(super) fn read(image: &Image, bytes: &dyn Bytes) -> Result<Loaded, Error> {
+pub(super) fn read(image: &Image, bytes: &dyn Bytes) -> Result<LoadedVolume, Error> {
     let set = image.set();
     let mut notes = Vec::new();
     let count = image.frames()?;
@@ -182,7 +182,7 @@ pub(super) fn read(image: &Image, bytes: &dyn Bytes) -> Result<Loaded, Error> {
             ..Metadata::default()
         },
     )?;
-    Ok(Loaded {
+    Ok(LoadedVolume {
         volume,
         labels: Some(labels(set)),
         notes,

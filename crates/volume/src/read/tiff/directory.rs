@@ -634,7 +634,7 @@ impl Directory<'_> {
         let missing = |field: &str| {
             Error::from(ErrorKind::Missing {
                 field: self.field(field),
-                allowed: "a page says where its strips or tiles lie".into(),
+                allowed: "a page states where its strips or tiles are".into(),
             })
         };
         let offsets =
@@ -677,7 +677,7 @@ impl Directory<'_> {
 /// A page that is not grey.
 pub(super) fn colour(what: &str) -> Error {
     ErrorKind::Unsupported {
-        feature: format!("colour ({what})"),
+        feature: format!("color ({what})"),
         instead: "a volume has one number per voxel: convert to grey first, \
                   for example with ImageMagick's `-colorspace gray`"
             .into(),

@@ -102,7 +102,7 @@ impl MetaMorph {
         }
         if x.or(y).is_none() {
             notes.push(
-                "MetaMorph says how far its planes are apart but not its pixels; these count as 1"
+                "MetaMorph states the distance of planes but not of pixels; 1 is used for pixels"
                     .into(),
             );
         }

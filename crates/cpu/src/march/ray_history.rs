@@ -6,18 +6,18 @@ use crate::levels::Level;
 /// What is known at lattice points behind a ray and where it stands: see
 /// [`RayState::values`](crate::ray_state::RayState::values).
 #[derive(Clone, Copy)]
-pub(super) struct LookBack<S: Level> {
+pub(super) struct RayHistory<S: Level> {
     pub(super) values: [F32s<S>; 3],
     pub(super) gradient: Vec3s<S>,
     /// A whole number, of which bit i says whether `values[i]` are known, and bit 3 whether the gradient is.
     pub(super) known: F32s<S>,
 }
 
-impl<S: Level> LookBack<S> {
+impl<S: Level> RayHistory<S> {
     /// Nothing.
     #[inline(always)]
-    pub(super) fn none() -> LookBack<S> {
-        LookBack {
+    pub(super) fn none() -> RayHistory<S> {
+        RayHistory {
             values: [F32s::zero(); 3],
             gradient: [F32s::zero(); 3],
             known: F32s::zero(),

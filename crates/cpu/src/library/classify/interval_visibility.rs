@@ -6,7 +6,7 @@ use strahl_scene::transfer::TransferTable;
 /// Whether a classification shows anything between two values: what
 /// [`visibility`](strahl_scene::visibility) asks of bricks, for the ends of steps and without its margins.
 /// Steps from one brick that shows nothing into the next are therefore found to show nothing either.
-pub struct Between {
+pub struct IntervalVisibility {
     classify: Classify,
     lo: f32,
     entries_per_value: f32,
@@ -14,15 +14,15 @@ pub struct Between {
     before: Vec<u32>,
 }
 
-impl Between {
+impl IntervalVisibility {
     /// What `classify` shows, with `table` if it has one.
-    pub fn new(classify: Classify, table: &TransferTable) -> Between {
+    pub fn new(classify: Classify, table: &TransferTable) -> IntervalVisibility {
         let [lo, hi] = table.domain();
         let mut before = vec![0];
         for entry in table.entries() {
             before.push(before[before.len() - 1] + u32::from(entry[3] > 0.0));
         }
-        Between {
+        IntervalVisibility {
             classify,
             lo,
             entries_per_value: (table.entries().len() - 1) as f32 / (hi - lo),
@@ -93,7 +93,7 @@ mod tests {
         ) {
             let entries = opaque.iter().map(|&o| [0.0, 0.0, 0.0, f32::from(u8::from(o))]);
             let table = TransferTable::new([-1.0, 1.0], 1.0, entries.collect());
-            let between = Between::new(Classify::Table, &table);
+            let between = IntervalVisibility::new(Classify::Table, &table);
             let hi = lo + width;
             let at = |value: f32| F32s::<Portable>::splat(value);
             let any = between.any(at(lo), at(hi)).any();

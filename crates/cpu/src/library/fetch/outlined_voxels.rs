@@ -4,22 +4,22 @@ use crate::lanes::{F32s, I32s};
 use crate::levels::{Level, vectorized};
 
 /// Voxels behind a call each time that some are fetched: what is compiled for these serves all types of sample.
-pub struct Apart<'v, S: Level> {
+pub struct OutlinedVoxels<'v, S: Level> {
     shape: Shape,
     voxels: Box<dyn Fetch<S> + 'v>,
 }
 
-impl<'v, S: Level> Apart<'v, S> {
+impl<'v, S: Level> OutlinedVoxels<'v, S> {
     /// Those of `voxels`.
-    pub fn new(voxels: impl Fetch<S> + 'v) -> Apart<'v, S> {
-        Apart {
+    pub fn new(voxels: impl Fetch<S> + 'v) -> OutlinedVoxels<'v, S> {
+        OutlinedVoxels {
             shape: *voxels.shape(),
-            voxels: Box::new(Called(voxels)),
+            voxels: Box::new(OutlinedFetch(voxels)),
         }
     }
 }
 
-impl<S: Level> Fetch<S> for Apart<'_, S> {
+impl<S: Level> Fetch<S> for OutlinedVoxels<'_, S> {
     #[inline(always)]
     fn shape(&self) -> &Shape {
         &self.shape
@@ -47,9 +47,9 @@ impl<S: Level> Fetch<S> for Apart<'_, S> {
 }
 
 /// What is called: compiled for the instruction set on its own.
-struct Called<F>(F);
+struct OutlinedFetch<F>(F);
 
-impl<S: Level, F: Fetch<S>> Fetch<S> for Called<F> {
+impl<S: Level, F: Fetch<S>> Fetch<S> for OutlinedFetch<F> {
     fn shape(&self) -> &Shape {
         self.0.shape()
     }

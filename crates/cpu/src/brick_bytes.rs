@@ -1,18 +1,18 @@
 //! What a rule of sampling knows of each brick of a volume.
 
 use crate::brick_number::{EDGE, brick_number};
-use crate::clipped::{Clipped, ClippedOf};
+use crate::clipped::{ClippedBricks, ClippedBricksKey};
 use crate::lanes::{I32s, words};
 use crate::levels::Level;
 use crate::making::Making;
 use std::sync::Arc;
 use strahl_scene::plan::{Plan, Sampling, Shade};
-use strahl_scene::visibility::ContributionOf;
+use strahl_scene::visibility::ContributionKey;
 use strahl_volume::bricks::Bricks;
 use strahl_volume::{Cancelled, Control, Key};
 
 /// A byte per brick.
-pub struct OfBricks {
+pub struct BrickBytes {
     /// Number of bricks along each axis.
     dims: [i32; 3],
     /// Three more, so that a word can be read anywhere.
@@ -21,15 +21,15 @@ pub struct OfBricks {
 
 /// All that the bytes depend on.
 #[derive(Clone, PartialEq)]
-pub struct BytesOf {
-    contribution: ContributionOf,
+pub struct BrickBytesKey {
+    contribution: ContributionKey,
     sampling: Sampling,
     step_mm: f64,
     shade: Shade,
-    clipped: Option<ClippedOf>,
+    clipped: Option<ClippedBricksKey>,
 }
 
-impl Key for BytesOf {
+impl Key for BrickBytesKey {
     /// Empty if nothing is known.
     type Value = Vec<u8>;
 
@@ -43,22 +43,22 @@ impl Key for BytesOf {
 /// What gives a byte per brick of an object, if anything is known of them.
 pub type Find = fn(&Plan, usize, &Bricks, &Control) -> Result<Option<Vec<u8>>, Cancelled>;
 
-impl OfBricks {
+impl BrickBytes {
     /// What `find` says of object number `object`, and 0 where bricks are `clipped`; `None` if it says nothing.
     pub fn new(
         making: &Making,
-        contribution: &ContributionOf,
+        contribution: &ContributionKey,
         bricks: &Bricks,
         (plan, object): (&Plan, usize),
-        clipped: Option<&Clipped>,
+        clipped: Option<&ClippedBricks>,
         find: Find,
-    ) -> Result<Option<OfBricks>, Cancelled> {
+    ) -> Result<Option<BrickBytes>, Cancelled> {
         assert_eq!(bricks.edge(), EDGE);
         // Words are gathered at 32-bit offsets.
         if bricks.number() > i32::MAX as usize / 8 {
             return Ok(None);
         }
-        let key = BytesOf {
+        let key = BrickBytesKey {
             contribution: contribution.clone(),
             sampling: plan.sampling,
             step_mm: plan.lattice.step_mm,
@@ -69,14 +69,14 @@ impl OfBricks {
             let Some(mut bytes) = find(plan, object, bricks, making.control)? else {
                 return Ok::<_, Cancelled>(Vec::new());
             };
-            let clipped = clipped.map_or(&[][..], Clipped::bricks);
+            let clipped = clipped.map_or(&[][..], ClippedBricks::bricks);
             for (byte, clipped) in bytes.iter_mut().zip(clipped) {
                 *byte *= u8::from(!clipped);
             }
             bytes.extend([0; 3]);
             Ok(bytes)
         })?;
-        Ok((!bytes.is_empty()).then(|| OfBricks {
+        Ok((!bytes.is_empty()).then(|| BrickBytes {
             dims: bricks.dims().map(|n| n as i32),
             bytes,
         }))

@@ -1,6 +1,6 @@
 /// Which samples a rule of compositing sees.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Sees {
+pub enum VisibleValues {
     /// Whatever their values are.
     Every,
     /// Those whose values are classified as anything.
@@ -13,9 +13,9 @@ pub enum Sees {
     Smaller,
 }
 
-impl Sees {
+impl VisibleValues {
     /// Whether one value is kept of each ray, the largest or the smallest.
     pub fn is_extreme(self) -> bool {
-        matches!(self, Sees::Larger | Sees::Smaller)
+        matches!(self, VisibleValues::Larger | VisibleValues::Smaller)
     }
 }
