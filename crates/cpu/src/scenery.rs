@@ -278,7 +278,18 @@ impl<'p, S: Level> Object<'p, S> {
                     Some(segments) => {
                         let here = segments.at(position);
                         let membership = |at| segments.membership(at, here);
-                        self.gradients.of(&membership, position)
+                        let gradients = &self.gradients;
+                        let by_voxels = segments.gradient(gradients.method, position, here, asked);
+                        match by_voxels {
+                            Some((in_voxel, within)) if !(asked & !within).any() => {
+                                gradients.in_world(in_voxel)
+                            }
+                            Some((in_voxel, within)) => {
+                                let by_taps = gradients.of(&membership, position);
+                                within.select3(gradients.in_world(in_voxel), by_taps)
+                            }
+                            None => gradients.of(&membership, position),
+                        }
                     }
                     // Everything is one.
                     None => [F32s::zero(); 3],

@@ -1,16 +1,17 @@
 //! Which segment of a label volume rays are in.
 
-use crate::lanes::{Affine, F32s, LANES, Vec3s, each, lanes};
-use crate::levels::Level;
+use crate::lanes::{Affine, F32s, LANES, Mask, Vec3s, each};
+use crate::levels::{Level, vectorized};
 use crate::skip::Skip;
 use std::sync::Arc;
-use strahl_scene::plan::{GlobalRule, NumberedSegments, Plan};
+use strahl_scene::plan::{GlobalRule, GradientMethod, NumberedSegments, Plan};
 use strahl_volume::{BorderCells, LabelIds, LabelNumbers};
 
 /// In voxels: what rounding may move a place beyond the extent.
 const ROUNDING: f32 = 0.01;
 
 /// Where a place lies among the voxels around it.
+#[derive(Clone, Copy)]
 struct Cell {
     first: [usize; 3],
     /// From the first voxel to the next along each axis, 0 to 1.
@@ -19,14 +20,14 @@ struct Cell {
 
 impl Cell {
     /// Of its corners as trilinear interpolation weighs them, x fastest.
+    #[inline(always)]
     fn weights(&self) -> [f32; 8] {
-        std::array::from_fn(|corner| {
-            let [x, y, z] = std::array::from_fn(|axis| match corner >> axis & 1 {
-                0 => 1.0 - self.share[axis],
-                _ => self.share[axis],
-            });
-            x * y * z
-        })
+        let [x, y, z] = self.share.map(|share| [1.0 - share, share]);
+        let mut weights = [0.0; 8];
+        for (corner, weight) in weights.iter_mut().enumerate() {
+            *weight = x[corner & 1] * y[corner >> 1 & 1] * z[corner >> 2];
+        }
+        weights
     }
 }
 
@@ -36,6 +37,8 @@ pub struct SegmentNumbers<'n> {
     borders: &'n BorderCells,
     dims: [usize; 3],
     label_from_voxel: Affine,
+    /// Whether the labels lie on the voxels of the field.
+    is_grid_of_field: bool,
     segments: NumberedSegments,
     /// Where all segments are hidden, if that is known.
     pub skip: Option<Arc<Skip>>,
@@ -59,6 +62,7 @@ impl<'n> SegmentNumbers<'n> {
             numbers: &labels.numbers,
             borders: &labels.borders,
             dims: labelled.grid.dims(),
+            is_grid_of_field: labelled.grid == plan.field().grid,
             label_from_voxel: Affine::new(labelled.label_from_voxel(plan.field())),
             most_important: importances.fold(0.0, |most, own| most.max(*own)),
             segments,
@@ -72,53 +76,172 @@ impl<'n> SegmentNumbers<'n> {
     /// so that each number is exact.
     #[inline(always)]
     pub fn at<S: Level>(&self, position: Vec3s<S>) -> F32s<S> {
-        let places = each!(self.label_from_voxel.point(position), |c| c.to_array());
-        let number = |i: usize| match self.cell([places[0][i], places[1][i], places[2][i]]) {
-            None => self.segments.outside,
-            Some(cell) if !self.borders.has(cell.first) => self.number(cell.first),
-            Some(cell) => self.heaviest(&cell),
+        let cells = self.cells(self.label_from_voxel.point(position));
+        let mut found = [0.0; LANES];
+        for (found, cell) in found.iter_mut().zip(&cells) {
+            let number = match cell {
+                None => self.segments.outside,
+                Some(cell) if !self.borders.has(cell.first) => self.number(cell.first),
+                Some(cell) => self.heaviest(cell),
+            };
+            *found = (number + 1) as f32;
+        }
+        F32s::from_array(found)
+    }
+
+    /// The gradient, in voxel space of the field, of the weight that the segment with each of these numbers, counted from 1,
+    /// has at each `position`, where `asked` and no tap lies beyond the border, and where that is; `None` for estimates and
+    /// grids that have no way of their own.
+    #[inline(always)]
+    pub fn gradient<S: Level>(
+        &self,
+        method: GradientMethod,
+        position: Vec3s<S>,
+        segment: F32s<S>,
+        asked: Mask<S>,
+    ) -> Option<(Vec3s<S>, Mask<S>)> {
+        let is_sobel = match method {
+            GradientMethod::Central => false,
+            GradientMethod::Sobel => true,
+            _ => return None,
         };
-        let numbers: [u32; LANES] = lanes(number);
-        F32s::from_array(lanes(|i| (numbers[i] + 1) as f32))
+        if !self.is_grid_of_field {
+            return None;
+        }
+        let mut within = asked;
+        for axis in 0..3 {
+            let end = F32s::splat(self.dims[axis] as f32 - 1.5);
+            within = within & F32s::splat(0.5).le(position[axis]) & position[axis].le(end);
+        }
+        let asked = within;
+        let places = each!(position, |c| c.to_array());
+        let (segment, asked) = (
+            segment.to_array(),
+            asked.select(F32s::splat(1.0), F32s::zero()).to_array(),
+        );
+        let mut gradients = [[0.0; LANES]; 3];
+        for i in 0..LANES {
+            // Those that nobody is in have number 0.
+            let Some(number) = (segment[i] as u32)
+                .checked_sub(1)
+                .filter(|_| asked[i] > 0.0)
+            else {
+                continue;
+            };
+            let place = [places[0][i], places[1][i], places[2][i]];
+            let gradient = self.gradient_at(is_sobel, place, number);
+            for (of_axis, of_lane) in gradients.iter_mut().zip(gradient) {
+                of_axis[i] = of_lane;
+            }
+        }
+        let gradients = each!([0, 1, 2], |axis| F32s::from_array(gradients[axis]));
+        Some((gradients, within))
+    }
+
+    /// Of the trilinear weight at a place in voxels, by central differences or Sobel's kernel over one voxel to each side.
+    /// Voxels are 0 or 1, and all taps have the same shares: the kernels are four numbers wide along each axis.
+    #[inline(never)]
+    fn gradient_at(&self, is_sobel: bool, place: [f32; 3], number: u32) -> [f32; 3] {
+        let (mut slopes, mut sides) = ([[0.0; 4]; 3], [[0.0; 4]; 3]);
+        let mut low = [0i64; 3];
+        for axis in 0..3 {
+            let floor = place[axis].floor();
+            let f = place[axis] - floor;
+            low[axis] = floor as i64 - 1;
+            slopes[axis] = [f - 1.0, -f, 1.0 - f, f];
+            sides[axis] = match is_sobel {
+                true => [1.0 - f, 2.0 - f, 1.0 + f, f],
+                false => [0.0, 1.0 - f, f, 0.0],
+            };
+        }
+        let mut sum = [0.0; 3];
+        for z in 0..4 {
+            for y in 0..4 {
+                let (mut slope, mut side) = (0.0, 0.0);
+                for x in 0..4 {
+                    let voxel = [low[0] + x as i64, low[1] + y as i64, low[2] + z as i64];
+                    if self.number_around(voxel) == number {
+                        slope += slopes[0][x];
+                        side += sides[0][x];
+                    }
+                }
+                sum[0] += slope * sides[1][y] * sides[2][z];
+                sum[1] += side * slopes[1][y] * sides[2][z];
+                sum[2] += side * sides[1][y] * slopes[2][z];
+            }
+        }
+        sum.map(|sum| sum * if is_sobel { 1.0 / 32.0 } else { 0.5 })
+    }
+
+    /// The number of a voxel, at the border that of the nearest one.
+    #[inline(always)]
+    fn number_around(&self, voxel: [i64; 3]) -> u32 {
+        let mut inside = [0; 3];
+        for axis in 0..3 {
+            inside[axis] = voxel[axis].clamp(0, self.dims[axis] as i64 - 1) as usize;
+        }
+        self.number(inside)
     }
 
     /// The weight that the segment with each of these numbers, counted from 1, has at each `position`, 0 to 1.
-    #[inline(always)]
+    #[inline(never)]
     pub fn membership<S: Level>(&self, position: Vec3s<S>, segment: F32s<S>) -> F32s<S> {
-        let places = each!(self.label_from_voxel.point(position), |c| c.to_array());
-        let segment = segment.to_array();
-        let weight = |i: usize| {
-            let is_here = |number: u32| (number + 1) as f32 == segment[i];
-            match self.cell([places[0][i], places[1][i], places[2][i]]) {
-                None => f32::from(u8::from(is_here(self.segments.outside))),
-                Some(cell) if !self.borders.has(cell.first) => {
-                    f32::from(u8::from(is_here(self.number(cell.first))))
+        vectorized::<S, _>(
+            #[inline(always)]
+            || {
+                let cells = self.cells(self.label_from_voxel.point(position));
+                let segment = segment.to_array();
+                let mut found = [0.0; LANES];
+                for i in 0..LANES {
+                    let is_here = |number: u32| (number + 1) as f32 == segment[i];
+                    let is_whole = match &cells[i] {
+                        None => is_here(self.segments.outside),
+                        Some(cell) if !self.borders.has(cell.first) => {
+                            is_here(self.number(cell.first))
+                        }
+                        Some(cell) => {
+                            let (numbers, weights) = (self.numbers_around(cell), cell.weights());
+                            for (number, weight) in numbers.into_iter().zip(weights) {
+                                found[i] += if is_here(number) { weight } else { 0.0 };
+                            }
+                            continue;
+                        }
+                    };
+                    found[i] = f32::from(u8::from(is_whole));
                 }
-                Some(cell) => {
-                    let (numbers, weights) = (self.numbers_around(&cell), cell.weights());
-                    let of = numbers.into_iter().zip(weights);
-                    of.map(|(n, weight)| if is_here(n) { weight } else { 0.0 })
-                        .sum()
-                }
-            }
-        };
-        F32s::from_array(lanes(weight))
+                F32s::from_array(found)
+            },
+        )
     }
 
-    /// The cell around a place in voxels of the label volume; `None` beyond its extent.
+    /// The cells around places in voxels of the label volume; `None` beyond its extent.
     #[inline(always)]
-    fn cell(&self, place: [f32; 3]) -> Option<Cell> {
-        let (mut first, mut share) = ([0; 3], [0.0; 3]);
+    fn cells<S: Level>(&self, place: Vec3s<S>) -> [Option<Cell>; LANES] {
+        let (zero, one) = (F32s::zero(), F32s::splat(1.0));
+        let mut is_inside = !Mask::none();
         for axis in 0..3 {
-            let (place, end) = (place[axis], self.dims[axis] as f32 - 0.5);
-            if !(-0.5 - ROUNDING..=end + ROUNDING).contains(&place) {
-                return None;
-            }
-            let inside = place.clamp(0.0, (self.dims[axis] - 1) as f32);
-            let floor = inside.floor();
-            (first[axis], share[axis]) = (floor as usize, inside - floor);
+            let end = self.dims[axis] as f32 - 0.5;
+            let [low, high] = [-0.5 - ROUNDING, end + ROUNDING].map(F32s::splat);
+            is_inside = is_inside & low.le(place[axis]) & place[axis].le(high);
         }
-        Some(Cell { first, share })
+        let is_inside = is_inside.select(one, zero).to_array();
+        let last = self.dims.map(|n| (n - 1) as f32);
+        let inside = each!([0, 1, 2], |axis| {
+            place[axis].max(zero).min(F32s::splat(last[axis]))
+        });
+        let floor = each!(inside, |c| c.floor());
+        let first = each!(floor, |c| c.to_i32s().to_array());
+        let share = each!([0, 1, 2], |axis| (inside[axis] - floor[axis]).to_array());
+        let mut cells = [None; LANES];
+        for (i, cell) in cells.iter_mut().enumerate() {
+            if is_inside[i] > 0.0 {
+                *cell = Some(Cell {
+                    first: [first[0][i], first[1][i], first[2][i]].map(|n| n as usize),
+                    share: [share[0][i], share[1][i], share[2][i]],
+                });
+            }
+        }
+        cells
     }
 
     #[inline(always)]
@@ -131,27 +254,34 @@ impl<'n> SegmentNumbers<'n> {
         }
     }
 
+    #[inline(always)]
     fn numbers_around(&self, cell: &Cell) -> [u32; 8] {
-        std::array::from_fn(|corner| {
-            self.number(std::array::from_fn(|axis| {
-                (cell.first[axis] + (corner >> axis & 1)).min(self.dims[axis] - 1)
-            }))
-        })
+        let [x, y, z]: [[usize; 2]; 3] = [0, 1, 2].map(|axis| {
+            let first = cell.first[axis];
+            [first, (first + 1).min(self.dims[axis] - 1)]
+        });
+        let mut numbers = [0; 8];
+        for (corner, number) in numbers.iter_mut().enumerate() {
+            *number = self.number([x[corner & 1], y[corner >> 1 & 1], z[corner >> 2]]);
+        }
+        numbers
     }
 
     /// The number with the largest weight, the smallest of equals.
     #[inline(never)]
     fn heaviest(&self, cell: &Cell) -> u32 {
         let (numbers, weights) = (self.numbers_around(cell), cell.weights());
-        let mut best = (0.0, u32::MAX);
+        let (mut heaviest, mut largest) = (u32::MAX, 0.0);
         for number in numbers {
-            let of = numbers.iter().zip(weights);
-            let weight: f32 = of.map(|(n, w)| if *n == number { w } else { 0.0 }).sum();
-            if weight > best.0 || (weight == best.0 && number < best.1) {
-                best = (weight, number);
+            let mut weight = 0.0;
+            for (other, of_other) in numbers.iter().zip(weights) {
+                weight += if *other == number { of_other } else { 0.0 };
+            }
+            if weight > largest || (weight == largest && number < heaviest) {
+                (heaviest, largest) = (number, weight);
             }
         }
-        best.1
+        heaviest
     }
 
     /// What the runs of the segment with a number, counted from 1, are multiplied by.

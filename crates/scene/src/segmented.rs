@@ -224,7 +224,7 @@ fn planned(
     let spacing_mm = plan.field().grid.mean_spacing_mm();
     let mut technique = plan.techniques.into_iter().next()?;
     if technique.gradient_input == GradientInput::Segment {
-        measure_by_membership(&mut technique, said, 0.5 / spacing_mm);
+        measure_by_membership(&mut technique, said, 1.5 / spacing_mm);
     }
     if !technique.composite.is_local() {
         let local: Vec<_> = Method::ALL

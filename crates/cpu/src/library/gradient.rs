@@ -35,7 +35,7 @@ for_each_function! { GradientMethod => estimates! {} }
 
 /// How gradients are found in one object.
 pub struct Gradients {
-    method: GradientMethod,
+    pub method: GradientMethod,
     /// Gradient in voxel space → in world space: the transpose of `voxel_from_world`.
     world_from_voxel: [[f32; 3]; 3],
 }
@@ -74,8 +74,9 @@ impl Gradients {
         )
     }
 
+    /// Of one in voxel space.
     #[inline(always)]
-    fn in_world<S: Level>(&self, in_voxel: Vec3s<S>) -> Vec3s<S> {
+    pub fn in_world<S: Level>(&self, in_voxel: Vec3s<S>) -> Vec3s<S> {
         each!(self.world_from_voxel, |row| {
             in_voxel[0] * F32s::splat(row[0])
                 + in_voxel[1] * F32s::splat(row[1])
