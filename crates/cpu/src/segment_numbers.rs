@@ -109,9 +109,9 @@ impl<'n> SegmentNumbers<'n> {
             return None;
         }
         let mut within = asked;
-        for axis in 0..3 {
-            let end = F32s::splat(self.dims[axis] as f32 - 1.5);
-            within = within & F32s::splat(0.5).le(position[axis]) & position[axis].le(end);
+        for (place, dim) in position.iter().zip(self.dims) {
+            let end = F32s::splat(dim as f32 - 1.5);
+            within = within & F32s::splat(0.5).le(*place) & place.le(end);
         }
         let asked = within;
         let places = each!(position, |c| c.to_array());
@@ -219,10 +219,10 @@ impl<'n> SegmentNumbers<'n> {
     fn cells<S: Level>(&self, place: Vec3s<S>) -> [Option<Cell>; LANES] {
         let (zero, one) = (F32s::zero(), F32s::splat(1.0));
         let mut is_inside = !Mask::none();
-        for axis in 0..3 {
-            let end = self.dims[axis] as f32 - 0.5;
+        for (place, dim) in place.iter().zip(self.dims) {
+            let end = dim as f32 - 0.5;
             let [low, high] = [-0.5 - ROUNDING, end + ROUNDING].map(F32s::splat);
-            is_inside = is_inside & low.le(place[axis]) & place[axis].le(high);
+            is_inside = is_inside & low.le(*place) & place.le(high);
         }
         let is_inside = is_inside.select(one, zero).to_array();
         let last = self.dims.map(|n| (n - 1) as f32);
