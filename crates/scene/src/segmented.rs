@@ -8,8 +8,9 @@ use crate::planning::{place_depths, plan_lights, plan_of};
 use crate::problem::Checker;
 use crate::settled::SettledScene;
 use crate::{
-    Headers, LabelHeader, Method, PresetInfo, Scene, SegmentComposite, SegmentTechnique,
-    SegmentUse, Shading, ShadingModel, segments, technique,
+    Color, Gradient, GradientInput as SceneInput, Headers, LabelHeader, Method, PresetInfo, Scene,
+    SegmentComposite, SegmentTechnique, SegmentUse, Shading, ShadingModel, TransferFunction,
+    TransferPoint, segments, technique,
 };
 use std::collections::BTreeMap;
 use strahl_volume::Grid;
@@ -199,7 +200,7 @@ fn planned(
     checker: &mut Checker,
 ) -> Option<Technique> {
     let mut own = Checker::default();
-    let plan = plan_of(&said.scene(scene), headers, &mut own);
+    let plan = plan_of(&scene_of(said, scene), headers, &mut own);
     let keys = [
         "preset",
         "method",
@@ -240,4 +241,40 @@ fn planned(
         );
     }
     (checker.problems.len() == before).then_some(technique)
+}
+
+/// A scene of one volume that is drawn by `technique`, with what it has of `scene`.
+fn scene_of(technique: &SegmentTechnique, scene: &Scene) -> Scene {
+    let is_projection = technique.method.is_some_and(Method::is_projection);
+    let solid = || TransferFunction {
+        points: Some(vec![TransferPoint::new(0.0, 0.95, Color::WHITE)]),
+        ..TransferFunction::default()
+    };
+    let (transfer_function, of) = match technique.has_colors() || is_projection {
+        true => (technique.transfer_function.clone(), SceneInput::Value),
+        false => (Some(solid()), SceneInput::Segment),
+    };
+    let method = match &technique.preset {
+        Some(_) => technique.method,
+        None => Some(technique.method.unwrap_or(Method::EmissionAbsorption)),
+    };
+    Scene {
+        preset: technique.preset.clone(),
+        method,
+        threshold: technique.threshold,
+        blend: technique.blend,
+        transfer_function,
+        shading: technique.shading,
+        gradient: Some(Gradient {
+            of: Some(technique.gradient_of.unwrap_or(of)),
+            method: None,
+        }),
+        functions: technique.functions.clone(),
+        transform: scene.transform,
+        early_termination: scene.early_termination,
+        compositing: scene.compositing,
+        step_mm: scene.step_mm,
+        step_voxels: scene.step_voxels,
+        ..Scene::default()
+    }
 }

@@ -1,9 +1,6 @@
 //! How segments can be drawn: the techniques of a scene, and the two that every scene has.
 
-use crate::{
-    Color, FunctionUse, Gradient, GradientInput, Method, PresetInfo, Scene, Shading,
-    TransferFunction, TransferPoint,
-};
+use crate::{FunctionUse, GradientInput, Method, Shading, TransferFunction};
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -51,41 +48,5 @@ impl SegmentTechnique {
     /// Whether its transfer function is its own, and with it its colors.
     pub(crate) fn has_colors(&self) -> bool {
         self.preset.is_some() || self.transfer_function.is_some()
-    }
-
-    /// A scene of one volume that is drawn by this technique.
-    pub(crate) fn scene(&self, scene: &Scene) -> Scene {
-        let is_projection = self.method.is_some_and(Method::is_projection);
-        let solid = || TransferFunction {
-            points: Some(vec![TransferPoint::new(0.0, 0.95, Color::WHITE)]),
-            ..TransferFunction::default()
-        };
-        let (transfer_function, of) = match self.has_colors() || is_projection {
-            true => (self.transfer_function.clone(), GradientInput::Value),
-            false => (Some(solid()), GradientInput::Segment),
-        };
-        let method = match self.preset.as_deref().and_then(PresetInfo::find) {
-            Some(_) => self.method,
-            None => Some(self.method.unwrap_or(Method::EmissionAbsorption)),
-        };
-        Scene {
-            preset: self.preset.clone(),
-            method,
-            threshold: self.threshold,
-            blend: self.blend,
-            transfer_function,
-            shading: self.shading,
-            gradient: Some(Gradient {
-                of: Some(self.gradient_of.unwrap_or(of)),
-                method: None,
-            }),
-            functions: self.functions.clone(),
-            transform: scene.transform,
-            early_termination: scene.early_termination,
-            compositing: scene.compositing,
-            step_mm: scene.step_mm,
-            step_voxels: scene.step_voxels,
-            ..Scene::default()
-        }
     }
 }

@@ -155,8 +155,7 @@ impl SceneData {
                 ("composite", scene.composite.is_some()),
             ] {
                 if is_set {
-                    let note =
-                        format!("{key} has no effect without labels (key `labels`, --labels)");
+                    let note = format!("{key} has no effect without labels (key `labels`)");
                     self.notes.push(note);
                 }
             }

@@ -5,7 +5,7 @@ use super::rule::{Rule, Sample};
 use super::state::State;
 use crate::elementary::{exp_of_negative, ln_of_share, powers_of_share};
 use crate::lanes::{F32s, Mask, Vec3s, dot, each, length, scale, unit};
-use crate::levels::{Level, vectorized};
+use crate::levels::{Level, inlined, vectorized};
 use crate::library::classify::Surface;
 
 /// By a measure of importance. Of a [`State`] it uses `colour` and `alpha`, and `value`, the importance so far.
@@ -57,7 +57,10 @@ impl ImportanceAware {
     #[inline(always)]
     fn of_surface<S: Level>(&self, steepness: F32s<S>, facing: F32s<S>) -> F32s<S> {
         let (zero, one) = (F32s::zero(), F32s::splat(1.0));
-        let power = |x: F32s<S>, e: f32| powers_of_share(x, F32s::splat(e));
+        let power = inlined(
+            #[inline(always)]
+            |x: F32s<S>, e: f32| powers_of_share(x, F32s::splat(e)),
+        );
         if self.measure == 2 {
             return F32s::splat(3.0)
                 - power(facing, self.first)
