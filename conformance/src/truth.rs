@@ -27,6 +27,9 @@ use strahl_scene::plan::{
 };
 use surface::{Lighting, classify, illuminate, opacity_of_length};
 
+/// The share of the values that a gradient is made of which rounding can make of it.
+const GRADIENT_ROUNDING: f64 = 1.0 / 262_144.0;
+
 /// The picture of `plan`, row by row from the top: linear, premultiplied RGBA.
 pub fn picture(plan: &Plan, field: &dyn Field) -> Vec<[f64; 4]> {
     let pixels = pixels(plan, field, Numbers::Exact);
@@ -580,6 +583,7 @@ impl<'p> Line<'p> {
         }
         let mut per_voxel = DVec3::ZERO;
         let mut doubt = DVec3::ZERO;
+        let mut largest = 0.0f64;
         let mut exists = Answer::Yes;
         for axis in 0..3 {
             let mut away = DVec3::ZERO;
@@ -587,6 +591,9 @@ impl<'p> Line<'p> {
             let ahead = self.value(place + away);
             let behind = self.value(place - away);
             exists = exists.and(ahead.exists).and(behind.exists);
+            for value in [ahead.range.middle(), behind.range.middle()] {
+                largest = largest.max(value.abs());
+            }
             per_voxel[axis] = 0.5 * (ahead.range.middle() - behind.range.middle());
             doubt[axis] = 0.5 * (ahead.range.half_width() + behind.range.half_width());
             // The same voxels give the same value: nothing is rounded away from 0.
@@ -595,6 +602,20 @@ impl<'p> Line<'p> {
             }
         }
         if exists == Answer::No {
+            return Lighting::UNLIT;
+        }
+        // What rounding could have made of it counts as zero: docs/plan.md.
+        let is_more = Answer::not_negative(
+            per_voxel.abs().max_element() - largest * GRADIENT_ROUNDING,
+            // One of six values stands for all where differences are small.
+            doubt.max_element()
+                + if self.rounded {
+                    0.5 * largest * GRADIENT_ROUNDING
+                } else {
+                    0.0
+                },
+        );
+        if is_more == Answer::No {
             return Lighting::UNLIT;
         }
         // The chain rule: world gradient = (voxel_from_world)ᵀ · voxel gradient.
@@ -610,7 +631,7 @@ impl<'p> Line<'p> {
             axis.abs().dot(doubt) + rounding
         }));
         let light = illuminate(self.plan, gradient, doubt, self.direction);
-        match exists {
+        match exists.and(is_more) {
             Answer::Maybe => light.hull(Lighting::UNLIT),
             _ => light,
         }

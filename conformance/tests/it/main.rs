@@ -4,6 +4,8 @@ mod agree;
 mod cut_lattice;
 mod evaluate;
 mod extreme_volumes;
+mod flat_regions;
+mod formulas;
 mod goldens;
 mod gpu;
 mod graph;

@@ -55,6 +55,8 @@ struct Frame {
 
 const TABLE_ROW: u32 = 4096u;
 const BRICK: f32 = 8.0;
+/// 2⁻¹⁸: what rounding can make of a gradient, as a share of the values that it is made of.
+const GRADIENT_ROUNDING: f32 = 3.814697265625e-6;
 /// Farther than anything: where nothing was hit, and where no geometry is.
 const NOWHERE_MM: f32 = 3.0e38;
 
@@ -121,6 +123,13 @@ fn table_domain() -> vec2f {
 fn gradient_per_mm(gradient_per_voxel: vec3f) -> vec3f {
     let m = frame.objects[object()].voxel_from_world;
     return m[0].xyz * gradient_per_voxel.x + m[1].xyz * gradient_per_voxel.y + m[2].xyz * gradient_per_voxel.z;
+}
+
+fn above_rounding(gradient_per_voxel: vec3f, largest: vec3f) -> vec3f {
+    let size = abs(gradient_per_voxel);
+    let steepest = max(size.x, max(size.y, size.z));
+    let rounding = max(largest.x, max(largest.y, largest.z)) * GRADIENT_ROUNDING;
+    return select(vec3f(0.0), gradient_per_voxel, steepest > rounding);
 }
 
 fn opacity_of_step(opacity: f32) -> f32 {

@@ -186,7 +186,7 @@ pub static SLOTS: [Slot; 12] = [
 
 /// Functions that every module may call and no module replaces: the renderer or the linker
 /// supplies them.
-pub static SUPPLIED: [Signature; 24] = [
+pub static SUPPLIED: [Signature; 25] = [
     function("object", &[], "u32"),
     function("dims", &[], "vec3i"),
     function("texel", &[("voxel", "vec3i")], "f32"),
@@ -204,6 +204,11 @@ pub static SUPPLIED: [Signature; 24] = [
     function(
         "gradient_per_mm",
         &[("gradient_per_voxel", "vec3f")],
+        "vec3f",
+    ),
+    function(
+        "above_rounding",
+        &[("gradient_per_voxel", "vec3f"), ("largest", "vec3f")],
         "vec3f",
     ),
     function("opacity_of_step", &[("opacity", "f32")], "f32"),

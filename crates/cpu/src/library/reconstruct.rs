@@ -27,9 +27,9 @@ pub trait Values<S: Level>: Sync {
     fn linear(&self, position: Vec3s<S>) -> F32s<S>;
     /// The values of single voxels; indices beyond the border give the voxel at the border.
     fn voxel(&self, voxel: [I32s<S>; 3]) -> F32s<S>;
-    /// Half the difference between the values one voxel to either side of `position` along each axis,
-    /// where `asked`; anything elsewhere.
-    fn central_differences(&self, position: Vec3s<S>, asked: Mask<S>) -> Vec3s<S>;
+    /// Half the difference between the values one voxel to either side of `position` along each axis, and how large the
+    /// values are of which that is the difference; where `asked`, and anything elsewhere.
+    fn central_differences(&self, position: Vec3s<S>, asked: Mask<S>) -> (Vec3s<S>, F32s<S>);
 }
 
 /// The values of `samples` on `grid`.
@@ -133,9 +133,10 @@ impl<F> Reconstruction<F> {
         )
     }
 
-    /// The difference between the stored numbers one voxel ahead and one behind along each axis.
+    /// The difference between the stored numbers one voxel ahead and one behind along each axis, and the largest of the
+    /// six values without its sign.
     #[inline(never)]
-    fn difference<S: Level>(&self, position: Vec3s<S>) -> Vec3s<S>
+    fn difference<S: Level>(&self, position: Vec3s<S>) -> (Vec3s<S>, F32s<S>)
     where
         F: Fetch<S>,
     {
@@ -143,14 +144,17 @@ impl<F> Reconstruction<F> {
             #[inline(always)]
             || {
                 let mut difference = [F32s::zero(); 3];
+                let mut largest = F32s::zero();
                 for (axis, difference) in difference.iter_mut().enumerate() {
                     for by in [1.0, -1.0] {
                         let mut position = position;
                         position[axis] += F32s::splat(by);
-                        *difference += self.stored_apart(position) * F32s::splat(by);
+                        let stored = self.stored_apart(position);
+                        *difference += stored * F32s::splat(by);
+                        largest = self.rescaled(stored).abs().max(largest);
                     }
                 }
-                difference
+                (difference, largest)
             },
         )
     }
@@ -185,7 +189,7 @@ impl<S: Level, F: Fetch<S>> Values<S> for Reconstruction<F> {
         )
     }
 
-    fn central_differences(&self, position: Vec3s<S>, asked: Mask<S>) -> Vec3s<S> {
+    fn central_differences(&self, position: Vec3s<S>, asked: Mask<S>) -> (Vec3s<S>, F32s<S>) {
         vectorized::<S, _>(
             #[inline(always)]
             || {
@@ -195,17 +199,23 @@ impl<S: Level, F: Fetch<S>> Values<S> for Reconstruction<F> {
                 } else {
                     None
                 };
-                let differences = match inside {
+                let (differences, largest) = match inside {
                     None => self.difference(position),
-                    Some((differences, inside)) => {
+                    Some((differences, middle, inside)) => {
+                        // Where the differences are next to nothing, the value between is as large as those around.
+                        let size = self.rescaled(middle).abs();
                         if (asked & !inside).any() {
-                            inside.select3(differences, self.difference(position))
+                            let (others, of_others) = self.difference(position);
+                            (
+                                inside.select3(differences, others),
+                                inside.select(size, of_others),
+                            )
                         } else {
-                            differences
+                            (differences, size)
                         }
                     }
                 };
-                each!(differences, |difference| difference * half)
+                (each!(differences, |difference| difference * half), largest)
             },
         )
     }

@@ -29,12 +29,19 @@ fn gradient(position: vec3f) -> vec3f {
     let slope_x = slopes(part.x);
     let slope_y = slopes(part.y);
     let slope_z = slopes(part.z);
+    var first = 0.0;
+    var largest = 0.0;
     var sum = vec3f(0.0);
     for (var z = 0; z < 4; z++) {
         for (var y = 0; y < 4; y++) {
             for (var x = 0; x < 4; x++) {
                 let value = gradient_input(cell + vec3f(vec3i(x, y, z) - 1));
-                sum += value * vec3f(
+                largest = max(largest, abs(value));
+                if x == 0 && y == 0 && z == 0 {
+                    first = value;
+                }
+                // Differences from one of them: of equal numbers nothing is left.
+                sum += (value - first) * vec3f(
                     slope_x[x] * weight_y[y] * weight_z[z],
                     weight_x[x] * slope_y[y] * weight_z[z],
                     weight_x[x] * weight_y[y] * slope_z[z],
@@ -42,5 +49,5 @@ fn gradient(position: vec3f) -> vec3f {
             }
         }
     }
-    return gradient_per_mm(sum);
+    return gradient_per_mm(above_rounding(sum, vec3f(largest)));
 }

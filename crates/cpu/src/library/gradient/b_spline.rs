@@ -11,6 +11,7 @@ pub fn per_voxel<S: Level>(field: &Field<S>, position: Vec3s<S>) -> Vec3s<S> {
     let part = each!([0, 1, 2], |axis| position[axis] - cell[axis]);
     let weights = each!(part, |c| b_spline_weights(c));
     let slopes = each!(part, |c| slopes(c));
+    let mut first = None;
     let mut gradient = [F32s::zero(); 3];
     for z in 0..4 {
         for y in 0..4 {
@@ -19,7 +20,9 @@ pub fn per_voxel<S: Level>(field: &Field<S>, position: Vec3s<S>) -> Vec3s<S> {
                 let at = each!([0, 1, 2], |axis| {
                     cell[axis] + F32s::splat(tap[axis] as f32 - 1.0)
                 });
+                // Differences from one of them: of equal numbers nothing is left.
                 let value = field(at);
+                let value = value - *first.get_or_insert(value);
                 let [wx, wy, wz] = each!([0, 1, 2], |axis| weights[axis][tap[axis]]);
                 let [sx, sy, sz] = each!([0, 1, 2], |axis| slopes[axis][tap[axis]]);
                 gradient[0] += value * (sx * wy * wz);

@@ -6,6 +6,7 @@ use crate::levels::Level;
 /// 1/32 so that a ramp gives its slope: 27 positions.
 #[inline(always)]
 pub fn per_voxel<S: Level>(field: &Field<S>, position: Vec3s<S>) -> Vec3s<S> {
+    let mut first = None;
     let mut gradient = [F32s::zero(); 3];
     let steps = [-1i32, 0, 1];
     for z in steps {
@@ -19,7 +20,9 @@ pub fn per_voxel<S: Level>(field: &Field<S>, position: Vec3s<S>) -> Vec3s<S> {
                 for (at, by) in at.iter_mut().zip(offset) {
                     *at += F32s::splat(by as f32);
                 }
+                // Differences from one of them: of equal numbers nothing is left.
                 let value = field(at);
+                let value = value - *first.get_or_insert(value);
                 for axis in 0..3 {
                     let across = (0..3).filter(|other| *other != axis);
                     let weight: i32 = across.map(|other| 2 - offset[other].abs()).product();

@@ -30,8 +30,8 @@ pub fn between<S: Level>(corners: Corners<S>, part: Vec3s<S>) -> F32s<S> {
 }
 
 /// The difference between the stored numbers one voxel ahead of `position` and one behind along each
-/// axis, and where that is so: in cells that are not at the border, of the lanes that are `asked`. `None`
-/// if it is nowhere.
+/// axis, the number at `position`, and where that is so: in cells that are not at the border, of the lanes that are
+/// `asked`. `None` if it is nowhere.
 ///
 /// Between the same eight corners the difference of two linear interpolations is the interpolation of
 /// differences: 32 voxels, most in words of four, instead of six times eight.
@@ -40,7 +40,7 @@ pub fn differences<S: Level, F: Fetch<S>>(
     fetch: &F,
     position: Vec3s<S>,
     asked: Mask<S>,
-) -> Option<(Vec3s<S>, Mask<S>)> {
+) -> Option<(Vec3s<S>, F32s<S>, Mask<S>)> {
     let shape = fetch.shape();
     if shape.last_cell[0]
         .min(shape.last_cell[1])
@@ -91,5 +91,7 @@ pub fn differences<S: Level, F: Fetch<S>>(
     let lower = (r01 - row(z[0])).lerp(row(z[2]) - r00, part[2]);
     let upper = (r11 - row(z[1])).lerp(row(z[3]) - r10, part[2]);
     let along_z = lower.lerp(upper, part[1]);
-    Some(([along_x, along_y, along_z], inside))
+    let near = r00.lerp(r10, part[1]);
+    let at = near.lerp(r01.lerp(r11, part[1]), part[2]);
+    Some(([along_x, along_y, along_z], at, inside))
 }

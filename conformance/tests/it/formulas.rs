@@ -1,0 +1,247 @@
+//! Functions against their formulas, in double precision: each renderer draws what the paper says, not only what the
+//! other renderers do.
+
+use crate::simple::{centred, cut_box, draw, of_samples, one_sample_at, parallel, plan, white};
+use glam::{DAffine3, DMat3, DVec3};
+use strahl_scene::plan::*;
+use strahl_scene::transfer::TransferTable;
+use strahl_volume::{Samples, Volume};
+
+/// A column along z, one voxel per number, 1 mm apart.
+fn column(numbers: &[f32]) -> Volume {
+    let n = numbers.len();
+    let numbers = numbers.iter().flat_map(|number| [*number; 4]);
+    of_samples(
+        centred([2, 2, n], DMat3::IDENTITY),
+        Samples::F32(numbers.collect()),
+    )
+}
+
+/// Straight down the middle of a column from its first number on, a sample at each voxel.
+fn down(volume: &Volume, table: TransferTable) -> Plan {
+    let mut plan = plan(volume, parallel(DVec3::Z, 50.0, 0.01), table);
+    (plan.width, plan.height) = (1, 1);
+    plan.field_mut().reconstruct = Reconstruct::Nearest;
+    plan.lattice.step_mm = 1.0;
+    plan
+}
+
+fn near(what: &str, found: f32, expected: f64, tolerance: f64) {
+    assert!(
+        (f64::from(found) - expected).abs() <= tolerance,
+        "{what}: {found}, not {expected}"
+    );
+}
+
+/// The steepest central difference of a ray, over white.
+#[test]
+fn gmip_is_the_largest_gradient() {
+    let numbers = [3.0, 3.0, 5.0, 11.0, 2.0, 2.5, 2.5, 40.0, 39.0, 39.0];
+    let volume = column(&numbers);
+    let mut plan = down(&volume, white(1.0, 1.0));
+    plan.technique_mut().composite = Composite::Gmip { white_per_mm: 25.0 };
+    let at = |i: usize| f64::from(numbers[i.min(numbers.len() - 1)]);
+    let differences = (0..numbers.len()).map(|i| 0.5 * (at(i + 1) - at(i.saturating_sub(1))).abs());
+    let steepest = differences.fold(0.0, f64::max);
+    assert_eq!(steepest, 18.75);
+    for (renderer, _, _, pixel) in draw(&volume, &plan) {
+        near(renderer.name, pixel[0], steepest / 25.0, 1e-5);
+        assert_eq!(pixel[3], 1.0);
+    }
+}
+
+/// S. Bruckner and E. Gröller 2009, equations 3 to 5, over known samples: what lies in front fades where the ray meets a
+/// larger value, by the rise; γ from −1, where nothing fades, to 0.
+#[test]
+fn mida_is_the_sum_of_the_paper() {
+    let numbers = [20.0f32, 60.0, 10.0, 90.0, 90.0, 50.0, 140.0, 30.0];
+    let volume = column(&numbers);
+    let entries = (0..201).map(|i| {
+        let v = i as f32 / 200.0;
+        [v, 1.0 - v, v * v, 0.2 + 0.3 * v]
+    });
+    let table = TransferTable::new([0.0, 200.0], 1.0, entries.collect());
+    for blend in [-1.0f32, -0.6, 0.0] {
+        let mut plan = down(&volume, table.clone());
+        plan.technique_mut().composite = Composite::Mida {
+            low: 0.0,
+            high: 150.0,
+            blend,
+            stop_at_transmittance: 0.0,
+        };
+        let (mut color, mut alpha, mut largest) = (DVec3::ZERO, 0.0f64, 0.0f64);
+        for number in numbers.map(f64::from) {
+            let share = number / 150.0;
+            let rise = (share - largest).max(0.0);
+            largest = largest.max(share);
+            // β = 1 − δ·(1 + γ).
+            let kept = 1.0 - rise * (1.0 + f64::from(blend));
+            let v = number / 200.0;
+            let opacity = 0.2 + 0.3 * v;
+            let own = DVec3::new(v, 1.0 - v, v * v);
+            color = kept * color + (1.0 - kept * alpha) * opacity * own;
+            alpha = kept * alpha + (1.0 - kept * alpha) * opacity;
+        }
+        for (renderer, _, _, pixel) in draw(&volume, &plan) {
+            for (c, expected) in color.to_array().into_iter().chain([alpha]).enumerate() {
+                near(
+                    &format!("{renderer} {blend} channel {c}"),
+                    pixel[c],
+                    expected,
+                    2e-5,
+                );
+            }
+        }
+    }
+}
+
+/// The length of a chord through an ellipsoid and through the cylinder along z, inside and around.
+#[test]
+fn clips_of_round_shapes_leave_their_chords() {
+    let volume = of_samples(
+        centred([20; 3], DMat3::IDENTITY),
+        Samples::U8(vec![200; 8000]),
+    );
+    // Axes of 6, 4 and 8 mm, the centre off the middle, turned.
+    let turned = DMat3::from_rotation_z(0.4) * DMat3::from_rotation_x(0.7);
+    let centre = DVec3::new(0.7, -0.4, 0.9);
+    let semi = DVec3::new(6.0, 4.0, 8.0);
+    let world_from_unit =
+        DAffine3::from_mat3_translation(turned * DMat3::from_diagonal(2.0 * semi), centre);
+    for shape in [ClipShape::Ellipsoid, ClipShape::Cylinder, ClipShape::Box] {
+        for keep_inside in [true, false] {
+            let mut plan = plan(&volume, parallel(DVec3::Z, 60.0, 8.0), white(1.0, 1.0));
+            (plan.width, plan.height) = (15, 15);
+            plan.lattice.step_mm = 0.01;
+            plan.technique_mut().composite =
+                Composite::Debug(DebugView::SampleCount { white: 4000.0 });
+            plan.sample_clips = vec![SampleClip {
+                shape,
+                ..cut_box(world_from_unit.inverse(), keep_inside)
+            }];
+            let renderers: Vec<_> = strahl_conformance::renderers()
+                .into_iter()
+                .take(2)
+                .collect();
+            for (renderer, x, y, pixel) in crate::simple::draw_by(&renderers, &volume, &plan) {
+                let ray = plan.camera.ray(x, y, 15, 15);
+                let inside = |z: f64| {
+                    let world = DVec3::new(ray.origin_mm.x, ray.origin_mm.y, z);
+                    let own = turned.transpose() * (world - centre) / semi;
+                    match shape {
+                        ClipShape::Ellipsoid => own.length() <= 1.0,
+                        ClipShape::Cylinder => own.truncate().length() <= 1.0 && own.z.abs() <= 1.0,
+                        _ => own.abs().max_element() <= 1.0,
+                    }
+                };
+                let kept =
+                    (0..40_000).filter(|i| inside(-10.0 + f64::from(*i) * 5e-4) == keep_inside);
+                let length_mm = kept.count() as f64 * 5e-4;
+                let found_mm = f64::from(pixel[0]) * 40.0;
+                // A sample more or less at either end of a chord.
+                assert!(
+                    (found_mm - length_mm).abs() <= 0.025,
+                    "{renderer} {shape:?} {keep_inside} ({x}, {y}): {found_mm}, not {length_mm}"
+                );
+            }
+        }
+    }
+}
+
+/// Grey from black to white above a threshold, nothing up to it.
+#[test]
+fn thresholds_show_what_is_above_them() {
+    for (value, expected) in [
+        (40.0f32, 0.0),
+        (50.0, 0.0),
+        (50.5, 0.405),
+        (80.0, 0.7),
+        (130.0, 1.0),
+    ] {
+        let volume = column(&[value; 4]);
+        let mut plan = down(&volume, white(1.0, 1.0));
+        one_sample_at(&mut plan, 0.0);
+        plan.technique_mut().classify = Classify::Threshold {
+            threshold: 50.0,
+            black: 10.0,
+            white: 110.0,
+        };
+        for (renderer, _, _, pixel) in draw(&volume, &plan) {
+            near(&format!("{renderer} {value}"), pixel[3], expected, 1e-5);
+            near(
+                &format!("{renderer} {value}"),
+                pixel[0],
+                expected * expected,
+                1e-5,
+            );
+        }
+    }
+}
+
+/// R. Cook and K. Torrance 1982: D of B. Walter et al. 2007, G of E. Heitz 2014 (height-correlated Smith) and F of C.
+/// Schlick 1994, as they are printed there; everything times π, as the diffuse part is.
+#[test]
+fn cook_torrance_is_d_times_f_times_g() {
+    // A ramp whose gradient is the normal.
+    let normal = DVec3::new(0.3, -0.2, -0.9).normalize();
+    let grid = centred([12; 3], DMat3::IDENTITY);
+    let volume = crate::simple::volume(grid, |place| 50.0 + 10.0 * normal.dot(place));
+    let eye = DVec3::new(0.1, 0.2, -1.0).normalize();
+    for to_light in [
+        DVec3::new(0.7, 0.1, -0.6),
+        DVec3::new(-0.5, -0.8, -0.3),
+        eye,
+    ] {
+        let light = to_light.normalize();
+        for (roughness, reflectance) in [(0.1f32, 0.04f32), (0.4, 0.3), (1.0, 0.9)] {
+            let mut plan = plan(&volume, parallel(-eye, 40.0, 2.0), white(1.0, 1.0));
+            (plan.width, plan.height) = (3, 3);
+            one_sample_at(&mut plan, 0.0);
+            plan.lights = vec![PlanLight::Directional {
+                to_light: light,
+                radiance: [0.8, 0.5, 0.2],
+            }];
+            plan.technique_mut().shade = Shade::Lit {
+                ambient: 0.1,
+                illuminate: Illuminate::CookTorrance {
+                    diffuse: 0.6,
+                    roughness,
+                    reflectance,
+                },
+                keep_last_normal: false,
+            };
+            let alpha2 = f64::from(roughness).powi(4);
+            let half = (light + eye).normalize();
+            let [nl, nv, nh, lh] = [
+                normal.dot(light),
+                normal.dot(eye),
+                normal.dot(half),
+                light.dot(half),
+            ];
+            // π·D, and G₂ by the two Λ.
+            let d = alpha2 / (nh * nh * (alpha2 - 1.0) + 1.0).powi(2);
+            let lambda = |cosine: f64| {
+                let tan2 = 1.0 / (cosine * cosine) - 1.0;
+                0.5 * ((1.0 + alpha2 * tan2).sqrt() - 1.0)
+            };
+            let g = 1.0 / (1.0 + lambda(nl) + lambda(nv));
+            let f0 = f64::from(reflectance);
+            let f = f0 + (1.0 - f0) * (1.0 - lh).powi(5);
+            let mirrored = d * f * g / (4.0 * nl * nv);
+            for (renderer, _, _, pixel) in draw(&volume, &plan) {
+                for (c, radiance) in [0.8, 0.5, 0.2].into_iter().enumerate() {
+                    let expected = match nl > 0.0 {
+                        true => 0.1 + radiance * nl * (0.6 + mirrored),
+                        false => 0.1,
+                    };
+                    near(
+                        &format!("{renderer} {roughness} {light}"),
+                        pixel[c],
+                        expected,
+                        2e-3 * expected.max(1.0),
+                    );
+                }
+            }
+        }
+    }
+}
