@@ -2,8 +2,8 @@
 //!
 //! T. Lottes, *FXAA*, NVIDIA 2009, in the form of version 3.11 (2011). Works on display numbers, because
 //! the eye sees steps in those. Departures: an end of an edge lies between two pixels, so that a long straight
-//! edge gets its exact coverage; every pixel on the way to it is looked at; colours are weighted by
-//! their alpha, and alpha stays, so that a transparent background does not bleed into an object.
+//! edge gets its exact coverage; every pixel on the way to it is looked at; colours are mixed with what they hide, and so
+//! is alpha, so that the silhouette of an object becomes smooth and a transparent background does not bleed into it.
 
 /// Contrast below this share of the brightest neighbour is no edge …
 const SMALLEST_CONTRAST_SHARE: f32 = 0.125;
@@ -30,9 +30,10 @@ pub(super) fn smoothed(pixels: &[[f32; 4]], width: usize) -> Vec<[f32; 4]> {
     (0..pixels.len()).map(at).collect()
 }
 
-/// Brightness as seen on black, with the weights of ITU-R BT.601, which are for encoded colours.
+/// Brightness as seen on what is darker than black, so that a black object has an edge, with the weights of ITU-R
+/// BT.601, which are for encoded colours.
 fn luma([r, g, b, a]: &[f32; 4]) -> f32 {
-    a * (0.299 * r + 0.587 * g + 0.114 * b)
+    a * (0.299 * r + 0.587 * g + 0.114 * b) - (1.0 - a)
 }
 
 struct Picture<'a> {
@@ -60,11 +61,7 @@ impl Picture<'_> {
         let darkest = middle.min(n).min(s).min(w).min(e);
         let contrast = brightest - darkest;
         let pixel = self.pixels[self.index(x, y)];
-        // A pixel that is not there has no colour to smooth.
-        let is_edge_of_nothing = pixel[3] == 0.0;
-        if is_edge_of_nothing
-            || contrast < SMALLEST_CONTRAST.max(brightest * SMALLEST_CONTRAST_SHARE)
-        {
+        if contrast < SMALLEST_CONTRAST.max(brightest * SMALLEST_CONTRAST_SHARE) {
             return pixel;
         }
         let (nw, ne, sw, se) = (around(-1, -1), around(1, -1), around(-1, 1), around(1, 1));
@@ -124,14 +121,16 @@ impl Picture<'_> {
     }
 }
 
-/// The pixel with a share of the other's colour; both weigh as much as they hide.
+/// The pixel with a share of the other; their colours weigh as much as they hide.
 fn mixed(pixel: [f32; 4], other: [f32; 4], share: f32) -> [f32; 4] {
     let (own, others) = (pixel[3] * (1.0 - share), other[3] * share);
-    if others <= 0.0 || own + others <= 0.0 {
+    if share <= 0.0 || own + others <= 0.0 {
         return pixel;
     }
     let colour = |c: usize| (own * pixel[c] + others * other[c]) / (own + others);
-    [colour(0), colour(1), colour(2), pixel[3]]
+    // Opaque pixels stay exactly so.
+    let alpha = pixel[3] + (other[3] - pixel[3]) * share;
+    [colour(0), colour(1), colour(2), alpha]
 }
 
 #[cfg(test)]
@@ -228,10 +227,36 @@ mod tests {
         }
     }
 
+    /// The colours of half-covered pixels are the object's, and their alpha comes nearer to what it covers of them.
     #[test]
-    fn what_is_transparent_does_not_bleed_in() {
-        let red = [1.0, 0.0, 0.0, 1.0];
-        let cut = picture(32, 32, |x, y| if 2 * x > y { red } else { [0.0; 4] });
-        assert_eq!(smoothed(&cut, 32), cut);
+    fn silhouettes_are_smooth_in_alpha_and_keep_their_color() {
+        for color in [[1.0, 0.0, 0.0], [0.0; 3], [1.0; 3]] {
+            let [r, g, b] = color;
+            let covers = |x: f32, y: f32| y - 20.3 > 0.25 * (x - 20.0);
+            let hard = picture(40, 40, |x, y| {
+                match covers(x as f32 + 0.5, y as f32 + 0.5) {
+                    true => [r, g, b, 1.0],
+                    false => [0.0; 4],
+                }
+            });
+            let coverage = |i: usize| {
+                let (x, y) = ((i % 40) as f32, (i / 40) as f32);
+                let part = |k: i32| (k as f32 + 0.5) / 16.0;
+                let inside = (0..256).filter(|k| covers(x + part(k % 16), y + part(k / 16)));
+                inside.count() as f32 / 256.0
+            };
+            let inner: Vec<usize> = (0..1600)
+                .filter(|i| (8..32).contains(&(i % 40)) && (8..32).contains(&(i / 40)))
+                .collect();
+            let error = |picture: &[[f32; 4]]| -> f32 {
+                let off = |i: &usize| (picture[*i][3] - coverage(*i)).powi(2);
+                inner.iter().map(off).sum()
+            };
+            let found = smoothed(&hard, 40);
+            assert!(error(&found) < 0.5 * error(&hard), "{color:?}");
+            for pixel in found.iter().filter(|pixel| pixel[3] > 0.0) {
+                assert_eq!(pixel[..3], color);
+            }
+        }
     }
 }
