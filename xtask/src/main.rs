@@ -1,4 +1,4 @@
-//! The project's own commands: `cargo xtask test | tidy | ci | gallery | oracle | fuzz | same-bytes | bench-…`.
+//! The project's own commands: `cargo xtask test | tidy | ci | gallery | oracle | fuzz | mutate-runs | same-bytes | bench-…`.
 
 mod apt;
 mod bench;
@@ -6,6 +6,7 @@ mod ci;
 mod command;
 mod driver;
 mod fuzz;
+mod mutate_runs;
 mod older_commit;
 mod oracle;
 mod python;
@@ -61,6 +62,8 @@ enum Task {
     BenchScenes(bench::scenes::Arguments),
     /// Draws random scenes with an older commit and with this one: every picture has to have the same bytes.
     SameBytes(same_bytes::Arguments),
+    /// Runs the command line with files that were damaged at random, each in little memory and time.
+    MutateRuns(mutate_runs::Arguments),
     /// Throws hostile files at the readers (needs a nightly toolchain and cargo-fuzz).
     Fuzz {
         /// The reader, such as `nrrd`; all one after another if not said.
@@ -96,6 +99,7 @@ fn main() -> Result<ExitCode> {
         Task::BenchCurves(arguments) => bench::curves::run(&root, &arguments)?,
         Task::BenchScenes(arguments) => bench::scenes::run(&root, &arguments)?,
         Task::SameBytes(arguments) => same_bytes::run(&root, &arguments)?,
+        Task::MutateRuns(arguments) => mutate_runs::run(&root, &arguments)?,
         Task::Fuzz { target, seconds } => fuzz::run(&root, target.as_deref(), seconds)?,
     };
     Ok(if passed {

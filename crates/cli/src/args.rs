@@ -1,7 +1,7 @@
 //! What was typed, checked: each function turns a group of [`crate::flags`] into values that the
 //! library takes.
 
-use crate::flags::{BackendName, DrawFlags, PictureFlags, ReadFlags};
+use crate::flags::{BackendName, DrawFlags, LimitFlags, PictureFlags, ReadFlags};
 use anyhow::{Context, Result, anyhow, bail};
 use std::str::FromStr;
 use strahl::scene::plan::MOST_EDGE_PIXELS;
@@ -12,8 +12,8 @@ use strahl::scene::{
 use strahl::volume::SampleType;
 use strahl::volume::read::ReadOptions;
 use strahl::{
-    Backend, Background, Camera, Clip, Color, ColorMap, Method, Projection, Scene, SceneFile,
-    TransferFunction, View,
+    Backend, Background, Budget, Camera, Clip, Color, ColorMap, Method, Projection, Scene,
+    SceneFile, TransferFunction, View,
 };
 
 /// How to read a volume: what was typed, put over what a scene says.
@@ -376,6 +376,38 @@ fn numbers<T: FromStr, const N: usize>(flag: &str, text: &str, wanted: &str) -> 
     }
 }
 
+/// How much a picture may take.
+pub fn budget(flags: &LimitFlags) -> Result<Budget> {
+    if flags.force {
+        return Ok(Budget::UNLIMITED);
+    }
+    let mut budget = Budget::of_machine();
+    if let Some(text) = &flags.max_memory {
+        budget.memory_bytes = bytes(text).with_context(|| {
+            format!("--max-memory is {text}; it has to be a number of bytes, such as 500M or 8G")
+        })?;
+    }
+    if let Some(seconds) = flags.max_time {
+        if !(seconds > 0.0 && seconds.is_finite()) {
+            bail!("--max-time is {seconds}; it has to be a number of seconds above 0");
+        }
+        budget.seconds = seconds;
+    }
+    Ok(budget)
+}
+
+/// A whole number of bytes, or of as many thousands, millions … as its last letter says (1024 each).
+fn bytes(text: &str) -> Option<u64> {
+    let upper = text.trim().to_ascii_uppercase();
+    let text = upper.strip_suffix('B').unwrap_or(&upper);
+    let unit = text.chars().last().and_then(|last| "KMGT".find(last));
+    let (number, shift) = match unit {
+        Some(place) => (&text[..text.len() - 1], 10 * (1 + place)),
+        None => (text, 0),
+    };
+    number.trim().parse::<u64>().ok()?.checked_mul(1 << shift)
+}
+
 /// Which renderer draws.
 pub fn backend(flags: &PictureFlags) -> Result<Backend> {
     Ok(match (flags.backend, &flags.adapter) {
@@ -393,6 +425,22 @@ pub fn backend(flags: &PictureFlags) -> Result<Backend> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn bytes_are_taken_with_the_usual_letters() {
+        for (text, number) in [
+            ("17", 17),
+            ("3k", 3 << 10),
+            ("500M", 500 << 20),
+            ("8 GB", 8 << 30),
+            ("1T", 1 << 40),
+        ] {
+            assert_eq!(bytes(text), Some(number), "{text}");
+        }
+        for text in ["", "M", "-1", "1.5G", "99999999T", "1X"] {
+            assert_eq!(bytes(text), None, "{text}");
+        }
+    }
 
     #[test]
     fn numbers_are_taken_with_the_usual_separators() {

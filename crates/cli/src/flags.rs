@@ -113,6 +113,9 @@ pub struct RenderFlags {
 
     #[command(flatten)]
     pub read: ReadFlags,
+
+    #[command(flatten)]
+    pub trust: TrustFlags,
 }
 
 const RENDER_SHORT_EXAMPLES: &str = "Examples:
@@ -464,6 +467,45 @@ pub struct PictureFlags {
     /// Print timings and counts to stdout
     #[arg(long, value_name = "FORMAT", hide_short_help = true)]
     pub stats: Option<StatsFormat>,
+
+    /// Tell nothing in the picture that may say whose data it shows: of files only the names, no series
+    #[arg(long)]
+    pub anonymous: bool,
+
+    /// Write the picture without the scene that made it
+    #[arg(long, conflicts_with = "anonymous")]
+    pub no_recipe: bool,
+
+    #[command(flatten)]
+    pub limits: LimitFlags,
+}
+
+/// What a scene may read.
+#[derive(Debug, Default, Args)]
+#[command(next_help_heading = "Limits")]
+pub struct TrustFlags {
+    /// Let the scene read nothing outside of this folder; the scene of a picture reads only beside the picture, if not
+    /// said
+    #[arg(long, value_name = "FOLDER")]
+    pub confine: Option<PathBuf>,
+}
+
+/// How much a picture may take.
+#[derive(Debug, Default, Args)]
+#[command(next_help_heading = "Limits")]
+pub struct LimitFlags {
+    /// Refuse what needs more memory, such as 500M or 8G; without, more than the system has left
+    #[arg(long, value_name = "BYTES", conflicts_with = "force")]
+    pub max_memory: Option<String>,
+
+    /// Refuse what would take longer than so many seconds, and end after them; without, refuse what would take more
+    /// than half an hour
+    #[arg(long, value_name = "SECONDS", conflicts_with = "force")]
+    pub max_time: Option<f64>,
+
+    /// Draw it, however much it takes
+    #[arg(long)]
+    pub force: bool,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -495,6 +537,10 @@ pub struct InfoFlags {
     #[arg(long)]
     pub json: bool,
 
+    /// Leave out names, descriptions and dates
+    #[arg(long, conflicts_with = "adapters")]
+    pub anonymous: bool,
+
     #[command(flatten)]
     pub read: ReadFlags,
 }
@@ -520,6 +566,10 @@ pub struct ConvertFlags {
     /// Do not compress NRRD and MetaImage (for NIfTI, the name decides)
     #[arg(long)]
     pub uncompressed: bool,
+
+    /// Leave out names, descriptions and dates
+    #[arg(long)]
+    pub anonymous: bool,
 
     #[command(flatten)]
     pub read: ReadFlags,
@@ -572,6 +622,9 @@ pub struct SceneShowFlags {
 
     #[command(flatten)]
     pub read: ReadFlags,
+
+    #[command(flatten)]
+    pub trust: TrustFlags,
 }
 
 /// List the presets, or print one as a scene

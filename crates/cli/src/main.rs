@@ -26,14 +26,16 @@ fn main() -> ExitCode {
         std::process::exit(130);
     });
     if let Err(error) = handler {
-        eprintln!("warning: an interrupt may leave a temporary file: {error}");
+        print::message(&format!(
+            "warning: an interrupt may leave a temporary file: {error}"
+        ));
     }
     match commands::run(flags) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {}", print::chain(&error));
+            print::message(&format!("error: {}", print::chain(&error)));
             if let Some(remedy) = remedy::of(&error) {
-                eprintln!("help: {remedy}");
+                print::message(&format!("help: {remedy}"));
             }
             ExitCode::FAILURE
         }

@@ -1,10 +1,16 @@
 //! Text for people: on stdout what was asked for, on stderr what went wrong.
 
-use std::io::{self, Write};
+use std::borrow::Cow;
+use std::io::{self, IsTerminal, Write};
 
-/// Writes to stdout. A reader that went away (`strahl info x | head`) ends the program quietly.
+/// Writes to stdout. A reader that went away (`strahl info x | head`) ends the program quietly. What goes to a
+/// terminal is [`harmless`].
 pub fn out(text: &str) -> anyhow::Result<()> {
     let mut stdout = io::stdout().lock();
+    let text = match stdout.is_terminal() {
+        true => harmless(text),
+        false => text.into(),
+    };
     match stdout
         .write_all(text.as_bytes())
         .and_then(|()| stdout.flush())
@@ -17,8 +23,34 @@ pub fn out(text: &str) -> anyhow::Result<()> {
 /// Something worth knowing that is no failure, on stderr.
 pub fn note(text: &str, quiet: bool) {
     if !quiet {
-        eprintln!("note: {text}");
+        message(&format!("note: {text}"));
     }
+}
+
+/// Writes a line to stderr, [`harmless`]. What nobody can be told, because stderr is full or closed, is no reason to
+/// end.
+pub fn message(text: &str) {
+    let _ = writeln!(io::stderr().lock(), "{}", harmless(text));
+}
+
+/// Text that may have come out of a file, with everything but letters, signs and ends of lines escaped: bytes that
+/// command a terminal, and marks that turn the direction of writing.
+pub fn harmless(text: &str) -> Cow<'_, str> {
+    let commands = |c: char| {
+        let is_mark = matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+        is_mark || c.is_control() && !matches!(c, '\n' | '\t')
+    };
+    if !text.contains(commands) {
+        return text.into();
+    }
+    let mut out = String::with_capacity(text.len() + 16);
+    for c in text.chars() {
+        match commands(c) {
+            true => out.extend(c.escape_default()),
+            false => out.push(c),
+        }
+    }
+    out.into()
 }
 
 /// An error and its causes in one line, without what a cause only repeats.
@@ -101,6 +133,15 @@ mod tests {
         }
         assert_eq!(bytes(17), "17 bytes");
         assert_eq!(bytes(3 << 19), "1.5 MiB");
+    }
+
+    #[test]
+    fn what_commands_a_terminal_is_escaped() {
+        assert_eq!(harmless("Schädel\n\t头"), "Schädel\n\t头");
+        assert_eq!(
+            harmless("\x1b]0;x\x07\u{9b}31m\r\u{202e}gpj"),
+            r"\u{1b}]0;x\u{7}\u{9b}31m\r\u{202e}gpj"
+        );
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Progress on stderr: a bar on a terminal, plain lines elsewhere, nothing for the first half second.
 
+use crate::print;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
 use std::ops::ControlFlow;
@@ -74,7 +75,7 @@ impl Progress {
                 bar.set_position(percent.into());
             }
             Shown::Line(last) if percent >= *last + PLAIN_STEP => {
-                eprintln!("{} {percent}%", state.what);
+                print::message(&format!("{} {percent}%", state.what));
                 *last = percent;
             }
             Shown::NotYet | Shown::Line(_) | Shown::Over => {}
@@ -108,10 +109,10 @@ impl State {
             bar.enable_steady_tick(Duration::from_millis(100));
             Shown::Bar(bar)
         } else if percent == UNKNOWN {
-            eprintln!("{} …", self.what);
+            print::message(&format!("{} …", self.what));
             Shown::Line(0)
         } else {
-            eprintln!("{} {percent}%", self.what);
+            print::message(&format!("{} {percent}%", self.what));
             Shown::Line(percent)
         };
     }

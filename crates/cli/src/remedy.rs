@@ -24,6 +24,11 @@ fn of_picture(error: &Error) -> Option<String> {
         Error::Evaluate(evaluate::Error::Shader(shader::Error::Sampling { .. }))
         | Error::Shader(shader::Error::Sampling { .. })
         | Error::Graph(graph::Error::Sampling { .. }) => NO_GRAPH,
+        Error::Outside { .. } => {
+            "--confine FOLDER lets a scene that you trust read in another folder; `/` is everywhere"
+        }
+        Error::TooMuchTime { .. } => "--max-time SECONDS allows more, --force anything",
+        Error::TooMuchMemory { .. } => "--max-memory BYTES allows more, --force anything",
         Error::NoStages => "draw with --backend cpu and without --graph, or without --stages",
         _ => return None,
     };

@@ -43,6 +43,7 @@ mod line;
 mod making;
 mod march;
 mod march_rays;
+mod mesh_tree;
 mod meshes;
 mod options;
 mod pools;

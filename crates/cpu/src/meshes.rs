@@ -1,13 +1,12 @@
 //! Opaque surfaces of triangles: where a ray meets them, and what they look like.
 
 use crate::making::Making;
+use crate::mesh_tree::tree;
 use glam::{DVec3, Vec3A};
-use obvhs::BvhBuildParams;
-use obvhs::bvh2::{Bvh2, builder::build_bvh2_from_tris};
+use obvhs::bvh2::Bvh2;
 use obvhs::ray::{Ray as Search, RayHit};
 use obvhs::triangle::Triangle;
 use std::sync::Arc;
-use std::time::Duration;
 use strahl_scene::plan::{Plan, PlanLight, PlanMesh, Ray};
 use strahl_volume::{Cancelled, ContentId, Key, Mesh};
 
@@ -54,7 +53,7 @@ struct Hit {
 }
 
 impl Meshes {
-    /// Builds a tree of boxes over the triangles of each mesh (the crate obvhs).
+    /// Builds a tree of boxes over the triangles of each mesh.
     pub fn new(making: &Making, meshes: &[Mesh]) -> Result<Meshes, Cancelled> {
         let find = |mesh: &Mesh| {
             let make = || Ok(SearchTree::new(mesh));
@@ -101,11 +100,7 @@ impl SearchTree {
         let double = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
         let (lo, hi) = mesh.bounds_mm();
         SearchTree {
-            tree: build_bvh2_from_tris(
-                &triangles,
-                BvhBuildParams::medium_build(),
-                &mut Duration::default(),
-            ),
+            tree: tree(&triangles),
             triangles,
             corners: corners.iter().map(|t| t.map(double)).collect(),
             normals: mesh.normals().map(|normals| {

@@ -62,6 +62,11 @@ pub enum Error {
     /// A loop that does not end.
     #[error("a loop of the program did not end after {0} turns; give it a bound")]
     Endless(u32),
+    /// A program that does not end.
+    #[error(
+        "the program did not end after {0} operations for one block of pixels; let its loops turn fewer times, or call less in them"
+    )]
+    TooMuch(u64),
     /// The Plan was resolved for other data.
     #[error(transparent)]
     OtherData(#[from] strahl_scene::OtherData),

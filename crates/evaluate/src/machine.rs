@@ -4,7 +4,7 @@ use crate::code::{Code, LANES, Lanes};
 use crate::compile::compile;
 use crate::error::Error;
 use crate::resources::{Resource, Resources};
-use crate::run::{Run, State};
+use crate::run::{MOST_OPERATIONS, Run, State};
 use naga::valid::{Capabilities, FunctionInfo, ModuleInfo, ValidationFlags, Validator};
 use naga::{Binding, Function, Module, ScalarKind, ShaderStage, Type, TypeInner};
 use std::collections::HashMap;
@@ -33,6 +33,7 @@ pub struct Machine<'m> {
     /// The words of each uniform block among the resources.
     blocks: Vec<Vec<u32>>,
     compiled: Mutex<HashMap<String, Arc<Code>>>,
+    most_operations: u64,
 }
 
 /// What a call gives.
@@ -94,7 +95,18 @@ impl<'m> Machine<'m> {
             resources,
             blocks,
             compiled: Mutex::default(),
+            most_operations: MOST_OPERATIONS,
         })
+    }
+
+    /// The same with another number of operations, each of 64 lanes at once, after which a call counts as endless;
+    /// without, 2³⁰.
+    #[must_use]
+    pub fn with_most_operations(self, most_operations: u64) -> Machine<'m> {
+        Machine {
+            most_operations,
+            ..self
+        }
     }
 
     /// Changes the bytes of a uniform block; what else is bound, and what is compiled, stays.
@@ -164,7 +176,7 @@ impl<'m> Machine<'m> {
     }
 
     pub(crate) fn prepared<'a>(&'a self, code: &'a Code) -> Run<'a> {
-        Run::new(code, &self.resources, &self.blocks)
+        Run::new(code, &self.resources, &self.blocks).bounded(self.most_operations)
     }
 
     /// What function `name` takes, scalar by scalar.

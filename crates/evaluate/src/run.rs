@@ -8,14 +8,23 @@ use strahl_volume::{Control, Samples};
 /// Turns after which a loop counts as endless: more than a ray has lattice points.
 pub const MOST_TURNS: u32 = 1 << 25;
 
+/// Operations, each of all lanes, after which a block of pixels counts as endless: loops within bounds and calls of
+/// functions can be multiplied by one another.
+pub const MOST_OPERATIONS: u64 = 1 << 30;
+
+/// Operations between two looks at whether anybody still wants the picture.
+const OPERATIONS_UNASKED: u64 = 1 << 16;
+
 /// A program with what it reads, its prologue done.
 pub struct Run<'a> {
     pub code: &'a Code,
     resources: &'a Resources<'a>,
     blocks: &'a [Vec<u32>],
     uniform: Vec<Lanes>,
-    /// Asked at every turn of a loop.
+    /// Asked at every turn of a loop, and every so many operations.
     control: Control,
+    /// After which a block counts as endless.
+    most_operations: u64,
 }
 
 impl<'a> Run<'a> {
@@ -27,6 +36,7 @@ impl<'a> Run<'a> {
             blocks,
             uniform: vec![Lanes::NONE; code.uniform_registers],
             control: Control::NONE,
+            most_operations: MOST_OPERATIONS,
         };
         for (reg, bits) in &code.constants {
             run.uniform[*reg as usize] = Lanes([*bits; LANES]);
@@ -37,6 +47,14 @@ impl<'a> Run<'a> {
         state.registers.truncate(code.uniform_registers);
         run.uniform = state.registers;
         run
+    }
+
+    /// The same with another number of operations after which a block counts as endless.
+    pub fn bounded(self, most_operations: u64) -> Run<'a> {
+        Run {
+            most_operations,
+            ..self
+        }
     }
 
     /// The same under `control`.
@@ -56,6 +74,9 @@ pub struct State<'a> {
     is_any: bool,
     is_all: bool,
     killed: Lanes,
+    /// Operations of this run so far, and at how many somebody is asked next.
+    done: u64,
+    asked_at: u64,
 }
 
 /// Lanes that have left the innermost loop or switch, and those that wait for the next turn.
@@ -105,12 +126,15 @@ impl<'a> State<'a> {
             is_any: false,
             is_all: false,
             killed: Lanes::NONE,
+            done: 0,
+            asked_at: OPERATIONS_UNASKED,
         }
     }
 
     /// Runs the active lanes; their inputs are in the registers. Gives those that were discarded.
     pub fn run(&mut self, active: Lanes) -> Result<Lanes, Error> {
         self.killed = Lanes::NONE;
+        (self.done, self.asked_at) = (0, OPERATIONS_UNASKED);
         self.activate(active);
         let code = self.run.code;
         let mut jumps = Jumps::NONE;
@@ -134,8 +158,15 @@ impl<'a> State<'a> {
             if !self.is_any {
                 return Ok(());
             }
+            self.done += 1;
+            if self.done >= self.asked_at {
+                self.ask()?;
+            }
             match node {
-                Node::Ops(ops) => self.ops(ops),
+                Node::Ops(ops) => {
+                    self.done += ops.len() as u64;
+                    self.ops(ops);
+                }
                 Node::If {
                     condition,
                     accept,
@@ -201,6 +232,18 @@ impl<'a> State<'a> {
             }
         }
         Ok(())
+    }
+
+    /// Whether there has been too much, or nobody wants more.
+    #[cold]
+    fn ask(&mut self) -> Result<(), Error> {
+        self.asked_at = self.done + OPERATIONS_UNASKED;
+        self.run.control.check()?;
+        let most = self.run.most_operations;
+        match self.done > most {
+            true => Err(Error::TooMuch(most)),
+            false => Ok(()),
+        }
     }
 
     fn function(&mut self, body: &'a [Node]) -> Result<(), Error> {

@@ -8,13 +8,17 @@ use crate::functions::{self, Call, Function, Patterns, Port, nearest};
 use crate::literal::Literal;
 use crate::model::{Constant, Graph, Input, Kind, Node, Reference, Stage, Texture};
 use crate::types::{Meaning, Scalar, Type};
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// Loops in one graph.
 pub const MOST_LOOPS: usize = 64;
 
-/// Nodes in one graph, groups unfolded.
-pub const MOST_NODES: usize = 100_000;
+/// Nodes in one graph, groups unfolded. (Parsing a program takes naga a time that grows with the square of the
+/// expressions in a function: of so many a few seconds.)
+pub const MOST_NODES: usize = 20_000;
+
+/// Whoever has a thousand mistakes reads the first.
+const MOST_PROBLEMS: usize = 50;
 
 /// Textures in one graph.
 pub const MOST_TEXTURES: usize = strahl_shader::bindings::TEXTURES as usize;
@@ -111,6 +115,9 @@ pub fn check(
     objects: usize,
 ) -> Result<CheckedGraph, Vec<Problem>> {
     let mut checker = Checker::new(graph, patterns, objects);
+    checker.number();
+    // Of so many, nobody wants to know what else is wrong.
+    checker.stop()?;
     checker.names();
     checker.problems.extend(crate::slicing::problems(graph));
     checker.problems.extend(crate::unread::unread(graph));
@@ -179,21 +186,22 @@ impl<'g> Checker<'g> {
     }
 
     fn wrong(&mut self, place: impl Into<String>, why: impl Into<String>) {
-        // Whoever has a thousand mistakes reads the first.
-        if self.problems.len() < 50 {
+        if self.problems.len() < MOST_PROBLEMS {
             self.problems.push(Problem::new(place, why));
         }
     }
 
-    fn names(&mut self) {
+    fn number(&mut self) {
         if self.graph.nodes.len() > MOST_NODES {
             let n = self.graph.nodes.len();
             self.wrong(
                 "nodes",
                 format!("{n} nodes; a graph has at most {MOST_NODES}"),
             );
-            return;
         }
+    }
+
+    fn names(&mut self) {
         for (i, node) in self.graph.nodes.iter().enumerate() {
             let place = format!("nodes.{}", node.name);
             if let Err(why) = check_name(&node.name) {
@@ -349,6 +357,10 @@ impl<'g> Checker<'g> {
         if let Some(found) = self.by_name.get(name) {
             return Ok(*found);
         }
+        if self.problems.len() >= MOST_PROBLEMS {
+            // Nobody will read it, and looking for what is near takes long in a large graph.
+            return Err(String::new());
+        }
         Err(match nearest(name, self.by_name.keys().copied()) {
             Some(near) => format!("there is no node `{name}`; did you mean `{near}`?"),
             None => format!("there is no node `{name}`"),
@@ -360,6 +372,7 @@ impl<'g> Checker<'g> {
     fn find(&mut self, reference: &Reference) -> Result<Value, String> {
         // What is looked for at the end, and the members taken of it on the way back, innermost last.
         let mut chain: Vec<((usize, usize), Vec<String>)> = Vec::new();
+        let mut passed = HashSet::new();
         let mut at = reference.clone();
         let mut value = loop {
             let node = self.node_of(&at.node)?;
@@ -445,7 +458,7 @@ impl<'g> Checker<'g> {
                             if let Some(known) = self.known.get(&key).cloned() {
                                 break self.members(known, members)?;
                             }
-                            if chain.iter().any(|(k, _)| *k == key) {
+                            if !passed.insert(key) {
                                 return Err(format!("`{reference}` reads itself"));
                             }
                             chain.push((key, members.to_vec()));
@@ -510,7 +523,7 @@ impl<'g> Checker<'g> {
             if let Some(known) = self.known.get(&(node, index)).cloned() {
                 break self.members(known, &members)?;
             }
-            if chain.iter().any(|(k, _)| *k == (node, index)) {
+            if !passed.insert((node, index)) {
                 return Err(format!("`{reference}` reads itself, through `{described}`"));
             }
             chain.push(((node, index), members));
@@ -1192,7 +1205,8 @@ impl<'g> Checker<'g> {
                 ));
             }
         }
-        self.problems.extend(problems.into_iter().take(50));
+        self.problems
+            .extend(problems.into_iter().take(MOST_PROBLEMS));
         of
     }
 

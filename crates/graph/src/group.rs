@@ -2,6 +2,7 @@
 
 use crate::error::Problem;
 use crate::model::{Graph, Input, Kind, Node, Reference};
+use std::collections::{HashMap, HashSet};
 
 /// Groups in one another.
 const DEEPEST: usize = 32;
@@ -9,23 +10,13 @@ const DEEPEST: usize = 32;
 /// `graph` without groups: the nodes inside `group` are called `group_node`, and their places in messages
 /// follow.
 pub fn unfolded(graph: &Graph) -> Result<Graph, Vec<Problem>> {
+    check_size(graph)?;
     let mut graph = graph.clone();
     for _ in 0..DEEPEST {
-        let Some(at) = graph
-            .nodes
-            .iter()
-            .position(|n| matches!(n.kind, Kind::Group(_)))
-        else {
+        if !graph.nodes.iter().any(|n| matches!(n.kind, Kind::Group(_))) {
             return Ok(graph);
-        };
-        let _ = at;
-        graph = one_level(graph)?;
-        if graph.nodes.len() > crate::check::MOST_NODES {
-            return Err(vec![Problem::new(
-                "nodes",
-                "groups unfold to more nodes than a graph can have",
-            )]);
         }
+        graph = one_level(graph)?;
     }
     match graph
         .nodes
@@ -38,6 +29,41 @@ pub fn unfolded(graph: &Graph) -> Result<Graph, Vec<Problem>> {
             format!("groups stand more than {DEEPEST} deep in one another"),
         )]),
     }
+}
+
+/// Bytes that the names of all nodes may have once they are unfolded.
+const MOST_NAME_BYTES: usize = 64 << 20;
+
+/// That groups unfold to no more nodes, with no longer names, than a graph can have; told without unfolding them.
+fn check_size(graph: &Graph) -> Result<(), Vec<Problem>> {
+    let (mut nodes, mut bytes) = (0, 0usize);
+    // Graphs with the length of the names that they stand in.
+    let mut open = vec![(graph, 0)];
+    while let Some((graph, before)) = open.pop() {
+        for node in &graph.nodes {
+            let name = before + node.name.len();
+            nodes += 1;
+            bytes = bytes.saturating_add(name);
+            if let Kind::Group(inner) = &node.kind {
+                // An anchor for each input.
+                nodes += inner.inputs.len();
+                let inputs = inner.inputs.iter();
+                let of_inputs: usize = inputs.map(|input| name + input.name.len()).sum();
+                bytes = bytes.saturating_add(of_inputs);
+                open.push((inner, name + 1));
+            }
+        }
+        if nodes > crate::check::MOST_NODES || bytes > MOST_NAME_BYTES {
+            return Err(vec![Problem::new(
+                "nodes",
+                format!(
+                    "groups unfold to more nodes than a graph can have ({}), or to longer names ({MOST_NAME_BYTES} bytes in all)",
+                    crate::check::MOST_NODES
+                ),
+            )]);
+        }
+    }
+    Ok(())
 }
 
 fn one_level(mut graph: Graph) -> Result<Graph, Vec<Problem>> {
@@ -82,7 +108,7 @@ fn one_level(mut graph: Graph) -> Result<Graph, Vec<Problem>> {
             Some(Node::new(name, Kind::Anchor).input("in", from))
         });
         nodes.extend(inputs.collect::<Vec<_>>());
-        let known: Vec<String> = inner.nodes.iter().map(|n| n.name.clone()).collect();
+        let known: HashSet<String> = inner.nodes.iter().map(|n| n.name.clone()).collect();
         inner.for_each_reference_mut(|key, reference| {
             if reference.node == "inputs" {
                 if reference.path.is_empty() {
@@ -113,27 +139,26 @@ fn one_level(mut graph: Graph) -> Result<Graph, Vec<Problem>> {
         }
     }
     graph.nodes = nodes;
-    let groups: Vec<String> = outputs.iter().map(|(group, ..)| group.clone()).collect();
+    let mut of_groups: HashMap<&str, Vec<(&str, &Reference)>> = HashMap::new();
+    for (group, output, target) in &outputs {
+        of_groups.entry(group).or_default().push((output, target));
+    }
     // A root of a group may be an output of another: all groups of this level are resolved together.
     for _ in 0..=DEEPEST {
         let mut is_changed = false;
         graph.for_each_reference_mut(|place, reference| {
-            if !groups.contains(&reference.node) {
+            let Some(of_group) = of_groups.get(reference.node.as_str()) else {
                 return;
-            }
-            let of_group: Vec<_> = outputs
-                .iter()
-                .filter(|(g, ..)| *g == reference.node)
-                .collect();
+            };
             let named = reference
                 .path
                 .first()
-                .and_then(|first| of_group.iter().find(|(_, o, _)| o == first));
+                .and_then(|first| of_group.iter().find(|(output, _)| output == first));
             let (target, rest) = match (named, &of_group[..]) {
-                (Some((_, _, target)), _) => (target, &reference.path[1..]),
-                (None, [(_, _, target)]) => (target, &reference.path[..]),
+                (Some((_, target)), _) => (target, &reference.path[1..]),
+                (None, [(_, target)]) => (target, &reference.path[..]),
                 _ => {
-                    let names: Vec<_> = of_group.iter().map(|(_, o, _)| o.as_str()).collect();
+                    let names: Vec<_> = of_group.iter().map(|(output, _)| *output).collect();
                     problems.push(Problem::new(
                         place,
                         format!(

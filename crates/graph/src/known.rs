@@ -37,7 +37,7 @@ const LONGEST: usize = 4096;
 impl PureFunction {
     /// The function `main` of `source`, if it is of that kind. `prelude` are the types that it may use.
     pub fn of(source: &str, main: &str, prelude: &str) -> Option<PureFunction> {
-        if source.len() > LONGEST {
+        if source.len() > LONGEST || !strahl_shader::is_shallow(source) {
             return None;
         }
         let module = naga::front::wgsl::parse_str(&format!("{source}\n{prelude}")).ok()?;

@@ -24,6 +24,10 @@ pub const MOST_GRAPH_BYTES: usize = 64 << 20;
 /// Files in one another.
 const DEEPEST: usize = 16;
 
+/// Files that a text and those that it names may name, each counted as often as it is named: ten small files that name
+/// one another several times would be millions.
+const MOST_FILES: usize = 1000;
+
 /// What a text asks for.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GraphUse {
@@ -60,7 +64,24 @@ impl GraphUse {
     /// The text is not JSON, has a key twice or one that is not known, was written by a newer Strahl, or a file
     /// that it names cannot be read.
     pub fn read(file: &str, text: &str, read: &mut ReadFile) -> Result<GraphUse, Error> {
-        read_at(file, text, read, 0)
+        let (mut files, mut bytes) = (0, text.len());
+        let mut within = |path: &str| {
+            if files == MOST_FILES {
+                return Err(format!(
+                    "more than {MOST_FILES} files are named, each as often as it is"
+                ));
+            }
+            files += 1;
+            let text = read(path)?;
+            bytes += text.len();
+            match bytes > MOST_GRAPH_BYTES {
+                true => Err(format!(
+                    "with it the files have more than {MOST_GRAPH_BYTES} bytes together"
+                )),
+                false => Ok(text),
+            }
+        };
+        read_at(file, text, &mut within, 0)
     }
 
     /// All of it as one text that names no other graph or WGSL file; [`GraphUse::read`] reads the same from it.

@@ -6,7 +6,7 @@ use glam::{DAffine3, DMat3, DQuat, DVec3, EulerRot};
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// A volume, a mesh, or a group (an object without data) in the scene.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -140,74 +140,126 @@ pub(crate) fn placements(
         let path = format!("objects[{i}].transform");
         locals.push(local(&path, object.transform.as_ref(), checker));
     }
-    let place = |name: &str| match name {
-        OWN_VOLUME => Some(0),
-        name => {
-            let found = |object: &SceneObject| object.name.as_deref() == Some(name);
-            Some(1 + objects.iter().position(found)?)
+    let parents = parents(objects, checker);
+    let mut worlds = locals.clone();
+    let mut is_placed = vec![false; locals.len()];
+    // Upwards to what is placed, then down again: no recursion, as a file can make the chain as long as it likes.
+    let mut chain = Vec::new();
+    for i in 1..locals.len() {
+        let (mut at, mut world) = (i, locals[i]);
+        for _ in 0..WALKED {
+            let Some(parent) = parents[at] else { break };
+            (at, world) = (parent, locals[parent] * world);
         }
-    };
-    let mut worlds = vec![locals[0]];
-    for (i, object) in objects.iter().enumerate() {
-        let mut world = locals[1 + i];
-        let mut at = object;
-        let mut steps = 0;
-        while let Some(parent) = &at.parent {
-            let Some(index) = place(parent) else {
-                if steps == 0 {
-                    checker.add(
-                        format!("objects[{i}].parent"),
-                        format!("{parent:?}"),
-                        &format!("the name of an object: {}", known(objects)),
-                    );
-                }
-                break;
-            };
-            world = locals[index] * world;
-            steps += 1;
-            if steps > objects.len() {
-                checker.add(
-                    format!("objects[{i}].parent"),
-                    format!(
-                        "{:?}, whose parents lead back to it",
-                        object.parent.as_deref().unwrap_or_default()
-                    ),
-                    "an object that is not below this one",
-                );
-                break;
-            }
-            match index {
-                0 => break,
-                _ => at = &objects[index - 1],
-            }
+        if parents[at].is_none() {
+            worlds[i] = world;
+            continue;
         }
-        worlds.push(world);
+        chain.clear();
+        at = i;
+        while let Some(parent) = parents[at].filter(|_| !is_placed[at]) {
+            chain.push((at, parent));
+            at = parent;
+        }
+        for (child, parent) in chain.drain(..).rev() {
+            worlds[child] = worlds[parent] * locals[child];
+            is_placed[child] = true;
+        }
     }
     worlds
 }
 
+/// Up to so many parents are multiplied one after another, from an object upwards; of a longer chain every place is
+/// made of that of the parent, so that it is linear.
+const WALKED: usize = 64;
+
+/// Of the scene's own volume and every object whose parent it has, if it has one that is there and not below it.
+fn parents(objects: &[SceneObject], checker: &mut Checker) -> Vec<Option<usize>> {
+    let mut by_name = HashMap::from([(OWN_VOLUME, 0)]);
+    for (i, object) in objects.iter().enumerate() {
+        if let Some(name) = &object.name {
+            by_name.entry(name).or_insert(1 + i);
+        }
+    }
+    let mut parents = vec![None; 1 + objects.len()];
+    for (i, object) in objects.iter().enumerate() {
+        let Some(parent) = &object.parent else {
+            continue;
+        };
+        parents[1 + i] = by_name.get(parent.as_str()).copied();
+        if parents[1 + i].is_none() {
+            checker.add(
+                format!("objects[{i}].parent"),
+                format!("{parent:?}"),
+                &format!("the name of an object: {}", known(objects)),
+            );
+        }
+    }
+    // Which walk has come by first; a walk that meets itself goes round.
+    let mut walk_of = vec![0; parents.len()];
+    let mut is_in_circle = vec![false; parents.len()];
+    for start in 1..parents.len() {
+        let mut at = start;
+        while walk_of[at] == 0 {
+            walk_of[at] = start;
+            let Some(parent) = parents[at] else { break };
+            at = parent;
+        }
+        let meets = parents[at].is_some() && (walk_of[at] == start || is_in_circle[at]);
+        let mut passed = start;
+        while meets && walk_of[passed] == start && !is_in_circle[passed] {
+            is_in_circle[passed] = true;
+            let Some(parent) = parents[passed] else { break };
+            passed = parent;
+        }
+    }
+    for (i, object) in objects.iter().enumerate() {
+        if is_in_circle[1 + i] {
+            checker.add(
+                format!("objects[{i}].parent"),
+                format!(
+                    "{:?}, whose parents lead back to it",
+                    object.parent.as_deref().unwrap_or_default()
+                ),
+                "an object that is not below this one",
+            );
+            parents[1 + i] = None;
+        }
+    }
+    parents
+}
+
+/// How many names a message lists.
+const NAMES_LISTED: usize = 30;
+
 /// Every name, for messages.
 pub(crate) fn known(objects: &[SceneObject]) -> String {
     let names = objects.iter().filter_map(|object| object.name.as_deref());
+    let more = names.clone().nth(NAMES_LISTED).map(|_| "…");
     std::iter::once(OWN_VOLUME)
-        .chain(names)
+        .chain(names.take(NAMES_LISTED))
+        .chain(more)
         .collect::<Vec<_>>()
         .join(", ")
 }
 
 /// What is wrong with the objects themselves: names, and what they are.
 pub(crate) fn check(objects: &[SceneObject], checker: &mut Checker) {
+    let mut names = HashSet::new();
+    let with_volume = objects.iter().filter(|object| object.volume.is_some());
+    let shown: HashSet<_> = with_volume
+        .filter_map(|object| object.name.as_ref())
+        .collect();
     for (i, object) in objects.iter().enumerate() {
         let path = format!("objects[{i}]");
-        if let Some(name) = &object.name {
-            let before = objects[..i].iter().any(|o| o.name.as_ref() == Some(name));
-            if name.is_empty() || name == OWN_VOLUME || before {
-                checker.add(
-                    format!("{path}.name"),
-                    format!("{name:?}"),
-                    "a name of its own; \"volume\" is the scene's own volume",
-                );
-            }
+        if let Some(name) = &object.name
+            && (name.is_empty() || name == OWN_VOLUME || !names.insert(name))
+        {
+            checker.add(
+                format!("{path}.name"),
+                format!("{name:?}"),
+                "a name of its own; \"volume\" is the scene's own volume",
+            );
         }
         let kinds = [
             object.volume.is_some(),
@@ -260,18 +312,18 @@ pub(crate) fn check(objects: &[SceneObject], checker: &mut Checker) {
                     problem
                 }));
         }
-        if let Some(like) = &object.like {
-            let shows = |o: &SceneObject| o.name.as_ref() == Some(like) && o.volume.is_some();
-            if like != OWN_VOLUME && !objects.iter().any(shows) {
-                checker.add(
-                    format!("{path}.like"),
-                    format!("{like:?}"),
-                    &format!(
-                        "the name of an object with a volume of its own: {}",
-                        known(objects)
-                    ),
-                );
-            }
+        if let Some(like) = &object.like
+            && like != OWN_VOLUME
+            && !shown.contains(like)
+        {
+            checker.add(
+                format!("{path}.like"),
+                format!("{like:?}"),
+                &format!(
+                    "the name of an object with a volume of its own: {}",
+                    known(objects)
+                ),
+            );
         }
     }
 }
@@ -279,6 +331,35 @@ pub(crate) fn check(objects: &[SceneObject], checker: &mut Checker) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn long_chains_of_parents_are_placed_and_circles_refused() {
+        // Cubic in time, this would not end.
+        const NUMBER: usize = 100_000;
+        let object = |name: usize, parent: Option<usize>| SceneObject {
+            name: Some(format!("o{name}")),
+            parent: parent.map(|parent| format!("o{parent}")),
+            transform: Some(Placement {
+                translate_mm: Some([1.0, 0.0, 0.0]),
+                ..Placement::default()
+            }),
+            ..SceneObject::default()
+        };
+        let mut objects: Vec<_> = (0..NUMBER).map(|i| object(i, i.checked_sub(1))).collect();
+        let mut checker = Checker::default();
+        check(&objects, &mut checker);
+        let worlds = placements(None, &objects, &mut checker);
+        assert!(checker.problems.is_empty());
+        for i in [0, 5, WALKED, NUMBER - 1] {
+            assert_eq!(worlds[1 + i].translation.x, (1 + i) as f64, "{i}");
+        }
+        // Two that lead to one another, and all that lead to them.
+        objects[0].parent = Some("o1".into());
+        placements(None, &objects, &mut checker);
+        assert_eq!(checker.problems[0].path, "objects[0].parent");
+        assert!(checker.problems.len() > 1);
+        assert!(checker.problems.len() <= crate::problem::MOST_PROBLEMS);
+    }
 
     #[test]
     fn parents_move_their_children() {

@@ -4,6 +4,7 @@ use crate::object::{OWN_VOLUME, placements};
 use crate::problem::Checker;
 use crate::{Headers, Scene, SceneObject};
 use glam::{DAffine3, DMat3, DVec3};
+use std::collections::HashMap;
 use strahl_volume::{Grid, VolumeHeader};
 
 /// Where everything of a scene lies in the world.
@@ -128,36 +129,21 @@ fn place(grid: &Grid, world: DAffine3, path: &str, checker: &mut Checker) -> Gri
 
 /// Which of the headers each object shows; `None` for meshes, groups and what cannot be found.
 fn volume_indices(objects: &[SceneObject]) -> Vec<Option<usize>> {
-    let mut next = 0;
-    let own: Vec<_> = objects
-        .iter()
-        .map(|object| {
-            object.volume.is_some().then(|| {
-                next += 1;
-                next
-            })
-        })
-        .collect();
-    let index = |(object, own): (&SceneObject, &Option<usize>)| match (own, &object.like) {
-        (Some(own), _) => Some(*own),
-        (None, Some(like)) if like == OWN_VOLUME => Some(0),
-        (None, Some(like)) => own_named(objects, like).and_then(|i| {
-            objects[..i]
-                .iter()
-                .filter(|o| o.volume.is_some())
-                .count()
-                .checked_add(1)
-        }),
-        (None, None) => None,
+    let mut by_name = HashMap::from([(OWN_VOLUME, 0)]);
+    let mut own = Vec::with_capacity(objects.len());
+    let mut number = 0;
+    for object in objects {
+        number += usize::from(object.volume.is_some());
+        own.push(object.volume.as_ref().map(|_| number));
+        if let (Some(_), Some(name)) = (&object.volume, &object.name) {
+            by_name.entry(name).or_insert(number);
+        }
+    }
+    let index = |(object, own): (&SceneObject, &Option<usize>)| {
+        let shown_again = || by_name.get(object.like.as_deref()?).copied();
+        own.or_else(shown_again)
     };
     objects.iter().zip(&own).map(index).collect()
-}
-
-/// The object with a volume of its own that has this name.
-fn own_named(objects: &[SceneObject], name: &str) -> Option<usize> {
-    objects
-        .iter()
-        .position(|o| o.name.as_deref() == Some(name) && o.volume.is_some())
 }
 
 /// Whether labels lie somewhere in the volume; a problem if not.

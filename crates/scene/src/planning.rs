@@ -242,6 +242,18 @@ fn plan_clips(settled: &SettledScene, headers: &Headers, checker: &mut Checker) 
     clips
 }
 
+/// Whether as many volumes can be in one picture.
+pub(crate) fn check_volumes(number: usize, checker: &mut Checker) -> bool {
+    if number > MOST_LAYERS {
+        checker.add(
+            "objects",
+            format!("{number} volumes"),
+            &format!("at most {MOST_LAYERS} volumes in one picture"),
+        );
+    }
+    number <= MOST_LAYERS
+}
+
 /// The tables of the volumes that are drawn, in their order.
 fn plan_tables(
     settled: &SettledScene,
@@ -249,12 +261,7 @@ fn plan_tables(
     compositing: PlanCompositing,
     checker: &mut Checker,
 ) -> Option<Vec<TransferTable>> {
-    if settled.volumes.len() > MOST_LAYERS {
-        checker.add(
-            "objects",
-            format!("{} volumes", settled.volumes.len()),
-            &format!("at most {MOST_LAYERS} volumes in one picture"),
-        );
+    if !check_volumes(settled.volumes.len(), checker) {
         return None;
     }
     let mut tables = Vec::new();

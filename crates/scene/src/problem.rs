@@ -77,6 +77,9 @@ impl fmt::Display for Problems {
 
 impl std::error::Error for Problems {}
 
+/// Whoever has a thousand mistakes reads the first.
+pub(crate) const MOST_PROBLEMS: usize = 1000;
+
 /// Collects problems while numbers are checked.
 #[derive(Default)]
 pub(crate) struct Checker {
@@ -85,7 +88,9 @@ pub(crate) struct Checker {
 
 impl Checker {
     pub fn add(&mut self, path: impl Into<String>, value: impl fmt::Display, allowed: &str) {
-        self.problems.push(Problem::new(path, value, allowed));
+        if self.problems.len() < MOST_PROBLEMS {
+            self.problems.push(Problem::new(path, value, allowed));
+        }
     }
 
     /// Whether `value` is `within`; a problem if not.

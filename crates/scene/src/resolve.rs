@@ -1,10 +1,10 @@
 //! Scene + volume headers → Plan, or every problem at once.
 
-use crate::plan::Plan;
-use crate::planning::plan_of;
+use crate::plan::{MOST_MASKS, Plan};
+use crate::planning::{check_volumes, plan_of};
 use crate::problem::Checker;
 use crate::segmented::with_segments;
-use crate::{Headers, LabelHeader, Problem, Problems, Scene};
+use crate::{Clip, Headers, LabelHeader, Problem, Problems, Scene};
 use strahl_volume::VolumeHeader;
 
 /// [`resolve_with`] for a scene of one volume. `labels` is what is known of the label volume, if one is
@@ -46,6 +46,29 @@ pub fn resolve_with(scene: &Scene, headers: &Headers) -> Result<Plan, Problems> 
             "a camera and a transfer function",
         ))
     })
+}
+
+impl Scene {
+    /// What is wrong with how much the scene names: more volumes or masks than one picture can have. To be asked
+    /// before they are read.
+    ///
+    /// # Errors
+    /// Everything of which there is too much, in the order of the keys.
+    pub fn check_counts(&self) -> Result<(), Problems> {
+        let mut checker = Checker::default();
+        let objects = self.objects.iter().flatten();
+        check_volumes(1 + objects.filter(|o| o.is_volume()).count(), &mut checker);
+        let clips = self.clips.iter().flatten();
+        let masks = clips.filter(|clip| matches!(clip, Clip::Mask(_))).count();
+        if masks > MOST_MASKS {
+            checker.add(
+                "clips",
+                format!("{masks} masks"),
+                &format!("at most {MOST_MASKS} masks in one picture"),
+            );
+        }
+        Problems::none_of(in_order_of_keys(checker.problems))
+    }
 }
 
 /// The problems in the order in which a scene lists its keys, and a list its items.

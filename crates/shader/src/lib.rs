@@ -53,6 +53,8 @@ mod limits;
 mod link;
 #[cfg(feature = "link")]
 mod module;
+#[cfg(feature = "link")]
+mod nesting;
 #[cfg(not(feature = "link"))]
 mod no_module;
 #[cfg_attr(
@@ -86,6 +88,7 @@ pub use {
     library::{built_in, library},
     link::{Linker, MOST_TURNS, Selection},
     module::{MOST_MODULE_BYTES, Module, PRELUDE, Ports},
+    nesting::is_shallow,
     program::{Block, Origin, Program},
     report::Report,
     skeleton::{

@@ -1,6 +1,7 @@
 //! A module: the WGSL text of one function for one slot.
 
 use crate::error::Error;
+use crate::nesting::{DEEPEST, deepest, with_stack};
 use crate::parameter::{Parameter, ParameterRelation, Scalar};
 use crate::report::Report;
 use crate::slot::{SLOTS, SUPPLIED, Signature, Slot};
@@ -24,6 +25,20 @@ pub const PRELUDE: &str = include_str!("prelude.wgsl");
 
 /// A text longer than this is not a shader function.
 pub const MOST_MODULE_BYTES: usize = 256 << 10;
+
+/// Calls that one call of a function may lead to, those of loops counted once.
+const MOST_CALLS: u64 = 1 << 16;
+
+/// Functions that call one another in a chain.
+const DEEPEST_CALLS: usize = 200;
+
+/// What waits for others, which rays never do.
+const BARRIERS: [&str; 4] = [
+    "workgroupBarrier",
+    "storageBarrier",
+    "textureBarrier",
+    "workgroupUniformLoad",
+];
 
 /// No variable of a function may take more, because a GPU has to keep it for every ray at once.
 const LARGEST_TYPE: u32 = 16 << 10;
@@ -187,6 +202,7 @@ impl Module {
             ));
         }
         let tokens = tokens(source);
+        let depth = text.check_nesting(&tokens)?;
         let declarations = declarations(source, &tokens);
         text.check_declarations(&tokens, &declarations, is_node)?;
         let slot = if is_node {
@@ -200,13 +216,15 @@ impl Module {
             .any(|d| d.kind == DeclarationKind::Struct && d.name == "Params");
 
         let surroundings = surroundings(slot, has_parameters);
-        let naga = text.parsed(&format!("{source}\n{surroundings}"))?;
+        let whole = format!("{source}\n{surroundings}");
+        let naga = with_stack(depth, || text.parsed(&whole))?;
         let functions = if is_node {
             vec![text.main(&declarations, &naga)?]
         } else {
             text.check_signatures(slot, &declarations, &naga)?
         };
         text.check_sizes(&declarations, &naga)?;
+        text.check_calls(&declarations, &naga)?;
         let (parameters, parameter_bytes) = text.parameters(&declarations, &naga)?;
 
         let mut hasher = DefaultHasher::new();
@@ -359,6 +377,62 @@ impl Text<'_> {
         }))
     }
 
+    /// How deep the text nests.
+    ///
+    /// # Errors
+    /// Deeper than any function that a person writes.
+    fn check_nesting(&self, tokens: &[Token]) -> Result<usize, Error> {
+        let (depth, place) = deepest(self.source, tokens);
+        if depth <= DEEPEST {
+            return Ok(depth);
+        }
+        Err(self.error(
+            format!("the text nests {depth} deep; at most {DEEPEST} is read"),
+            place,
+            "the deepest place",
+            ["brackets and operators count; give parts of it a name by `let`".into()],
+        ))
+    }
+
+    /// Refuses functions that lead to more calls, or deeper ones, than is sensible for a ray.
+    fn check_calls(&self, found: &[Declaration], naga: &naga::Module) -> Result<(), Error> {
+        // Number and depth; functions come after those that they call.
+        let mut calls = vec![(0u64, 0usize); naga.functions.len()];
+        for (handle, function) in naga.functions.iter() {
+            let mut direct = Vec::new();
+            called(&function.body, &mut direct);
+            let (mut number, mut depth) = (0u64, 0);
+            for callee in direct {
+                let (of_callee, depth_of_callee) = calls[callee.index()];
+                number = number.saturating_add(of_callee).saturating_add(1);
+                depth = depth.max(1 + depth_of_callee);
+            }
+            calls[handle.index()] = (number, depth);
+            let name = function.name.as_deref().unwrap_or_default();
+            let (what, note) = if number > MOST_CALLS {
+                (
+                    format!(
+                        "`{name}` leads to {number} calls of functions; at most {MOST_CALLS} are allowed"
+                    ),
+                    "every ray makes them at every sample; call what is needed twice once, and keep its result",
+                )
+            } else if depth > DEEPEST_CALLS {
+                (
+                    format!(
+                        "`{name}` calls functions {depth} deep; at most {DEEPEST_CALLS} are allowed"
+                    ),
+                    "let fewer functions do more",
+                )
+            } else {
+                continue;
+            };
+            let declaration = found.iter().find(|d| d.name == name);
+            let place = declaration.map_or(0..0, |d| d.span.clone());
+            return Err(self.error(what, place, "declared here", [note.into()]));
+        }
+        Ok(())
+    }
+
     /// Refuses what belongs to whole programs, and names that are taken.
     fn check_declarations(
         &self,
@@ -421,6 +495,17 @@ impl Text<'_> {
                 _ => continue,
             };
             return Err(self.error(wrong, pair[0].span.start..pair[1].span.end, "here", []));
+        }
+        for token in tokens {
+            let word = token.text(self.source);
+            if BARRIERS.contains(&word) {
+                return Err(self.error(
+                    format!("a module does not wait: `{word}`"),
+                    token.span.clone(),
+                    "here",
+                    ["rays are drawn alone, in any order; leave it out".into()],
+                ));
+            }
         }
         // `params` is put in by the linker, so nothing else may have that name.
         for window in tokens.windows(2) {
@@ -893,6 +978,11 @@ fn called(block: &naga::Block, into: &mut Vec<Handle<Function>>) {
 /// # Errors
 /// What naga says, in naga's words.
 pub(crate) fn validate_program(wgsl: &str) -> Result<naga::Module, String> {
+    let (depth, _) = deepest(wgsl, &tokens(wgsl));
+    with_stack(depth, || validate_text(wgsl))
+}
+
+fn validate_text(wgsl: &str) -> Result<naga::Module, String> {
     let module = wgsl::parse_str(wgsl).map_err(|error| error.emit_to_string(wgsl))?;
     Validator::new(ValidationFlags::all(), Capabilities::empty())
         .validate(&module)

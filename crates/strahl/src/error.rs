@@ -1,5 +1,6 @@
 //! Errors between a path and a picture.
 
+use crate::estimate::{About, Bytes, Estimate};
 use std::path::{Path, PathBuf};
 use std::{fmt, io};
 use strahl_volume::Cancelled;
@@ -26,6 +27,18 @@ pub enum Error {
         path: PathBuf,
         /// The problem and the remedy.
         why: String,
+    },
+    /// A scene names what lies outside of the folder that it may read in.
+    #[error(
+        "{}: lies outside of {}, and this scene may read only there",
+        .path.display(),
+        .folder.display()
+    )]
+    Outside {
+        /// What it names.
+        path: PathBuf,
+        /// Where it may read.
+        folder: PathBuf,
     },
     /// The volume cannot be read, or is not one.
     #[error(transparent)]
@@ -88,6 +101,50 @@ pub enum Error {
     /// A scene with a graph cannot be drawn into a texture.
     #[error("a scene with a graph is not drawn into a texture; draw it into memory")]
     NoGraph,
+    /// The picture would take longer than its [`Budget`](crate::Budget) allows.
+    #[error(
+        "the picture would take about {} ({:.0} rays of {:.0} samples); the limit is {}. Less are a smaller picture (it is {} × {} pixels), a longer step (it is {step_mm} mm) or fewer frames (there are {frames})",
+        About(.estimate.seconds),
+        .estimate.rays,
+        .estimate.points,
+        About(*.most_seconds),
+        .size[0],
+        .size[1]
+    )]
+    TooMuchTime {
+        /// What it would take.
+        estimate: Box<Estimate>,
+        /// What it may take.
+        most_seconds: f64,
+        /// Columns and rows.
+        size: [u32; 2],
+        /// Of the Plan.
+        step_mm: f64,
+        /// Of the Plan.
+        frames: u32,
+    },
+    /// The picture would take more memory than its [`Budget`](crate::Budget) allows.
+    #[error(
+        "data and picture would take about {}; the limit is {}. Less are a coarser volume (its `level`) or a smaller picture (it is {} × {} pixels)",
+        Bytes(*.bytes),
+        Bytes(*.most_bytes),
+        .size[0],
+        .size[1]
+    )]
+    TooMuchMemory {
+        /// What it would take.
+        bytes: u64,
+        /// What it may take.
+        most_bytes: u64,
+        /// Columns and rows.
+        size: [u32; 2],
+    },
+    /// The system has no room for the picture.
+    #[error("there is no memory for the {bytes} bytes of the picture; draw a smaller one")]
+    NoMemory {
+        /// Bytes asked for.
+        bytes: u64,
+    },
     /// A picture file cannot be written.
     #[error("the {format} file cannot be written: {why}")]
     NotWritten {
@@ -103,6 +160,16 @@ pub enum Error {
         format: &'static str,
         /// What the decoder said.
         why: String,
+    },
+    /// The scene in a picture file cannot be unpacked.
+    #[error(
+        "{}the scene in the picture is damaged, or longer than {} bytes, which no scene is",
+        Named(.file),
+        strahl_scene::MOST_SCENE_BYTES
+    )]
+    NoRecipe {
+        /// The file, if its name is known.
+        file: Option<PathBuf>,
     },
     /// PNG holds no depth.
     #[error("PNG cannot hold depth; use a name that ends in .exr")]

@@ -1,6 +1,7 @@
 //! Files on disk, as the readers of [`strahl_volume::read`] want them.
 
 use crate::Error;
+use crate::confinement::open_regular;
 use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::io;
@@ -16,8 +17,9 @@ pub struct Folder(Source);
 
 #[derive(Clone, Debug)]
 enum Source {
-    /// Any file that can be reached from here; listed only when asked.
-    Around(PathBuf),
+    /// Any file that can be reached from here; listed only when asked. With the file that all of them are around, by
+    /// the name that readers know it by: not every name is text.
+    Around(PathBuf, String, PathBuf),
     /// These files and no other, with their lengths …
     Listed(BTreeMap<String, (PathBuf, u64)>),
     /// … and what lies in folders below this one, listed only when asked.
@@ -40,7 +42,8 @@ impl Folder {
     /// The files beside `path`, for headers that name their data file.
     pub fn around(path: &Path) -> Folder {
         let parent = path.parent().filter(|p| !p.as_os_str().is_empty());
-        Folder(Source::Around(parent.unwrap_or(Path::new(".")).to_owned()))
+        let folder = parent.unwrap_or(Path::new(".")).to_owned();
+        Folder(Source::Around(folder, file_name(path), path.to_owned()))
     }
 
     /// Exactly these files. Each is called by its file name, or by its whole path where two files of
@@ -79,7 +82,8 @@ impl Folder {
     /// Where the file `name` lies.
     pub(crate) fn path_of(&self, name: &str) -> io::Result<PathBuf> {
         match &self.0 {
-            Source::Around(folder) => inside(folder, name),
+            Source::Around(_, known, path) if name == known => Ok(path.clone()),
+            Source::Around(folder, ..) => inside(folder, name),
             Source::Tree(folder, files) => match files.get(name) {
                 Some((path, _)) => Ok(path.clone()),
                 None if name.contains('/') => inside(folder, name),
@@ -96,7 +100,7 @@ impl Folder {
 impl Files for Folder {
     fn names(&self) -> Vec<String> {
         match &self.0 {
-            Source::Around(folder) => list(folder)
+            Source::Around(folder, ..) => list(folder)
                 .map(|(files, _)| files.into_keys().collect())
                 .unwrap_or_default(),
             Source::Listed(files) | Source::Tree(_, files) => files.keys().cloned().collect(),
@@ -105,7 +109,7 @@ impl Files for Folder {
 
     fn names_below(&self) -> io::Result<Vec<String>> {
         match &self.0 {
-            Source::Around(folder) | Source::Tree(folder, _) => list_below(folder),
+            Source::Around(folder, ..) | Source::Tree(folder, _) => list_below(folder),
             Source::Listed(_) => Ok(self.names()),
         }
     }
@@ -213,11 +217,8 @@ struct FileBytes {
 
 impl FileBytes {
     fn open(path: &Path) -> io::Result<FileBytes> {
-        let file = File::open(path)?;
+        let file = open_regular(path)?;
         let metadata = file.metadata()?;
-        if metadata.is_dir() {
-            return Err(io::ErrorKind::IsADirectory.into());
-        }
         Ok(FileBytes {
             file,
             len: metadata.len(),

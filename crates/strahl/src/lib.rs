@@ -44,9 +44,12 @@
 #![warn(missing_docs)]
 
 mod backend;
+mod budget;
+mod confinement;
 #[cfg(feature = "gpu")]
 mod devices;
 mod error;
+mod estimate;
 mod folder;
 mod load;
 #[cfg(feature = "gpu")]
@@ -66,13 +69,16 @@ mod session;
 mod show_stage;
 
 pub use backend::{Backend, DrawnBy};
+pub use budget::Budget;
+pub use confinement::{Confinement, read_text};
 pub use error::Error;
+pub use estimate::Estimate;
 pub use folder::Folder;
 pub use load::{load, load_under};
 pub use note::Note;
 pub use output::{Output, abandon_outputs};
 pub use picture::{Encoding, Recipe, SOFTWARE, write_picture};
-pub use render::{Picture, Render, ShownPicture, render_file};
+pub use render::{Picture, Render, ShownPicture, Told, render_file};
 pub use scene_file::{SceneFile, seen_from};
 #[cfg(feature = "graph")]
 pub use scene_graph::{ReadyGraph, SceneGraph};

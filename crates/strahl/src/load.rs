@@ -1,6 +1,7 @@
 //! Reads volumes from paths.
 
 use crate::Error;
+use crate::confinement::Confinement;
 use crate::folder::{Folder, file_name};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -31,13 +32,14 @@ pub fn load_under(
     options: &ReadOptions,
     control: &Control,
 ) -> Result<LoadedVolume, Error> {
-    Ok(load_seen(paths, options, control)?.0)
+    Ok(load_seen(paths, options, None, control)?.0)
 }
 
-/// As [`load_under`], with the files that were opened.
+/// As [`load_under`], with the files that were opened, all of which lie `within`.
 pub(crate) fn load_seen(
     paths: &[PathBuf],
     options: &ReadOptions,
+    within: Option<&Confinement>,
     control: &Control,
 ) -> Result<(LoadedVolume, Vec<FileState>), Error> {
     let is_folder = |path: &PathBuf| {
@@ -55,6 +57,7 @@ pub(crate) fn load_seen(
     };
     let recorded = RecordingFiles {
         folder,
+        within,
         seen: Mutex::default(),
     };
     let loaded = match is_file {
@@ -92,12 +95,13 @@ fn state(path: &Path) -> Option<(u64, Option<SystemTime>)> {
 }
 
 /// Records which files are opened.
-struct RecordingFiles {
+struct RecordingFiles<'w> {
     folder: Folder,
+    within: Option<&'w Confinement>,
     seen: Mutex<BTreeMap<String, FileState>>,
 }
 
-impl Files for RecordingFiles {
+impl Files for RecordingFiles<'_> {
     fn names(&self) -> Vec<String> {
         self.folder.names()
     }
@@ -108,6 +112,9 @@ impl Files for RecordingFiles {
 
     fn open(&self, name: &str) -> io::Result<Box<dyn Bytes + '_>> {
         let path = self.folder.path_of(name)?;
+        if let Some(within) = self.within {
+            within.check(&path).map_err(io::Error::other)?;
+        }
         // Before it is read: what changes meanwhile has changed.
         let mut seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
         seen.entry(name.to_owned())

@@ -1,6 +1,7 @@
 //! In place of graphs, in a build without them.
 
 use crate::Error;
+use crate::confinement::Confinement;
 use std::path::{Path, PathBuf};
 use strahl_scene::GraphText;
 
@@ -19,6 +20,7 @@ pub fn with_paths(
     name: &str,
     _text: &str,
     _folder: &Path,
+    _confinement: Option<&Confinement>,
     _change: impl FnMut(&mut String),
 ) -> Result<GraphText, Error> {
     Err(no_graphs(Some(name.into())))

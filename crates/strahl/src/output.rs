@@ -6,6 +6,7 @@ use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::Duration;
 
 /// Paths of the temporary files that exist now, for [`abandon_outputs`].
 static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
@@ -42,8 +43,11 @@ impl Output {
             Err(e) if e.kind() == io::ErrorKind::NotFound => None,
             Err(e) => return Err(fail(e)),
         };
-        // What a link points at is replaced, not the link.
-        let mut path = target.to_owned();
+        // What a link points at is replaced, not the link, also if it is not there yet.
+        let mut path = match &existing {
+            Some(_) => target.to_owned(),
+            None => behind_links(target).map_err(fail)?,
+        };
         if let Some(metadata) = &existing {
             if metadata.is_dir() {
                 return Err(Error::not_usable(
@@ -73,6 +77,7 @@ impl Output {
                 format!("cannot be written: there is no folder {}", folder.display()),
             ));
         }
+        sweep(folder);
         let mut unfinished = UNFINISHED.lock().unwrap_or_else(|e| e.into_inner());
         let file = Part::new(folder)
             .and_then(|file| {
@@ -87,6 +92,20 @@ impl Output {
             target: path,
             kind: Kind::Renamed(BufWriter::with_capacity(1 << 16, file)),
         })
+    }
+
+    /// Removes what is there under the name of the target. Of files that belong together, the one that names the
+    /// others goes before any of them gets its name: whoever ends in between leaves none that names what is not its
+    /// own.
+    ///
+    /// # Errors
+    /// If it is there and cannot be removed.
+    pub fn remove_old(&self) -> Result<(), Error> {
+        match (&self.kind, fs::remove_file(&self.target)) {
+            (Kind::Device(..), _) | (_, Ok(())) => Ok(()),
+            (_, Err(error)) if error.kind() == io::ErrorKind::NotFound => Ok(()),
+            (_, Err(error)) => Err(Error::path(&self.target, error)),
+        }
     }
 
     /// The folder that the file will lie in.
@@ -111,6 +130,43 @@ impl Output {
             Kind::Device(bytes, device) => device.write_all(bytes.get_ref()),
         };
         finished.map_err(|error| Error::path(&self.target, error))
+    }
+}
+
+/// Where a link that points at nothing leads, over further links.
+fn behind_links(path: &Path) -> io::Result<PathBuf> {
+    /// More are taken for a circle, as the system does.
+    const MOST_LINKS: usize = 40;
+    let mut path = path.to_owned();
+    for _ in 0..MOST_LINKS {
+        let Ok(next) = fs::read_link(&path) else {
+            return Ok(path);
+        };
+        path = match path.parent() {
+            Some(folder) => folder.join(next),
+            None => next,
+        };
+    }
+    Err(io::Error::other("links that lead back to themselves"))
+}
+
+/// After so long without a change, an unfinished file of a process that is not there belongs to nobody. (It may be there
+/// on another machine that sees the same folder.)
+const ABANDONED: Duration = Duration::from_secs(24 * 3600);
+
+/// Removes what processes have left in `folder` that were killed. Whatever cannot be removed stays.
+fn sweep(folder: &Path) {
+    let is_abandoned = |entry: &fs::DirEntry| -> Option<bool> {
+        let name = entry.file_name().into_string().ok()?;
+        let numbers = name.strip_prefix(".strahl-")?.strip_suffix(".part")?;
+        let process: u32 = numbers.split_once('-')?.0.parse().ok()?;
+        let age = entry.metadata().ok()?.modified().ok()?.elapsed().ok()?;
+        Some(age > ABANDONED && !Path::new(&format!("/proc/{process}")).exists())
+    };
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        if is_abandoned(&entry) == Some(true) {
+            let _ = fs::remove_file(entry.path());
+        }
     }
 }
 
@@ -289,6 +345,69 @@ mod tests {
         assert_eq!(error.to_string(), expected);
         assert_eq!(output.write(b"x").unwrap(), 1);
         assert_eq!(output.finish().unwrap_err().to_string(), expected);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_to_what_is_not_there_yet_are_kept() {
+        use std::os::unix::fs::symlink;
+        let folder = tempfile::tempdir().unwrap();
+        fs::create_dir(folder.path().join("below")).unwrap();
+        let link = folder.path().join("link.png");
+        symlink("below/middle.png", &link).unwrap();
+        symlink("a.png", folder.path().join("below/middle.png")).unwrap();
+        let mut output = Output::create(&link).unwrap();
+        output.write_all(b"new").unwrap();
+        output.finish().unwrap();
+        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+        assert_eq!(fs::read(folder.path().join("below/a.png")).unwrap(), b"new");
+        assert_eq!(names(folder.path()), ["below", "link.png"]);
+
+        let round = folder.path().join("round.png");
+        symlink("round.png", &round).unwrap();
+        assert!(Output::create(&round).is_err());
+        symlink("none/a.png", folder.path().join("lost.png")).unwrap();
+        let said = Output::create(&folder.path().join("lost.png")).unwrap_err();
+        assert!(said.to_string().contains("there is no folder"), "{said}");
+    }
+
+    #[test]
+    fn what_killed_processes_have_left_is_swept() {
+        let folder = tempfile::tempdir().unwrap();
+        let old = std::time::SystemTime::now() - 2 * ABANDONED;
+        let mine = format!(".strahl-{}-4000000000.part", std::process::id());
+        // No process has the largest number of all.
+        let gone = ".strahl-4294967295-0.part";
+        for (name, is_old) in [
+            (gone, true),
+            (".strahl-4294967295-1.part", false),
+            (&mine, cfg!(target_os = "linux")),
+            (".strahl-x-1.part", true),
+            ("strahl-4294967295-0.part", true),
+        ] {
+            let file = File::create(folder.path().join(name)).unwrap();
+            if is_old {
+                file.set_modified(old).unwrap();
+            }
+        }
+        drop(Output::create(&folder.path().join("a.png")).unwrap());
+        let left = names(folder.path());
+        assert_eq!(left.len(), 4, "{left:?}");
+        assert!(!left.contains(&gone.to_owned()), "{left:?}");
+    }
+
+    #[test]
+    fn the_old_file_can_go_before_the_new_one_comes() {
+        let folder = tempfile::tempdir().unwrap();
+        let target = folder.path().join("a.mhd");
+        fs::write(&target, "old").unwrap();
+        let mut output = Output::create(&target).unwrap();
+        output.write_all(b"new").unwrap();
+        output.remove_old().unwrap();
+        output.remove_old().unwrap();
+        assert!(!target.exists());
+        output.finish().unwrap();
+        assert_eq!(fs::read(&target).unwrap(), b"new");
     }
 
     #[cfg(unix)]

@@ -16,7 +16,7 @@ mod png;
 mod recipe;
 
 use crate::Error;
-use std::fs::File;
+use crate::confinement::open_regular;
 use std::io::{BufReader, Read, Seek, Write};
 use std::path::Path;
 use strahl_scene::{Image, plan::Display};
@@ -76,11 +76,14 @@ impl Recipe {
     /// no recipe.
     ///
     /// # Errors
-    /// If the file cannot be read, or is a damaged PNG or EXR file.
+    /// If the file cannot be read, is a damaged PNG or EXR file, or has a scene that is damaged or longer than any is.
     pub fn of_file(path: &Path) -> Result<Option<Recipe>, Error> {
-        let file = File::open(path).map_err(|source| Error::path(path, source))?;
+        let file = open_regular(path).map_err(|source| Error::path(path, source))?;
         Recipe::of(BufReader::new(file)).map_err(|error| match error {
             error @ Error::NotRead { .. } => Error::not_usable(path, error.to_string()),
+            Error::NoRecipe { .. } => Error::NoRecipe {
+                file: Some(path.to_owned()),
+            },
             other => other,
         })
     }

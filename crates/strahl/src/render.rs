@@ -1,9 +1,11 @@
 //! Draws volumes and scenes: [`Render`] and [`render_file`].
 
 use crate::backend::{Backend, DrawRequest, DrawnBy, draw};
+use crate::budget::Budget;
+use crate::confinement::Confinement;
 use crate::note::Note;
 use crate::scene_data::{OwnVolume, SceneData};
-use crate::scene_file::{SceneFile, seen_from};
+use crate::scene_file::{SceneFile, anonymous, told_from};
 use crate::scene_graph::SceneGraph;
 use crate::session::Session;
 use crate::show_stage::ShowStage;
@@ -60,6 +62,8 @@ pub struct Render<'a> {
     control: Control,
     show: Option<ShowStage<'a>>,
     session: Option<&'a Session>,
+    budget: Option<Budget>,
+    confinement: Option<Confinement>,
 }
 
 #[derive(Clone)]
@@ -146,6 +150,7 @@ impl<'a> Render<'a> {
     pub fn scene_file(file: SceneFile) -> Render<'a> {
         Render {
             scene_path: Some(file.path),
+            confinement: file.confinement,
             ..Render::new(Source::Scene, file.scene)
         }
     }
@@ -161,6 +166,8 @@ impl<'a> Render<'a> {
             control: Control::NONE,
             show: None,
             session: None,
+            budget: None,
+            confinement: None,
         }
     }
 
@@ -252,6 +259,18 @@ impl<'a> Render<'a> {
         self
     }
 
+    /// Refuses what would take more than `budget`; without, more than [`Budget::of_machine`] says.
+    pub fn budget(mut self, budget: Budget) -> Render<'a> {
+        self.budget = Some(budget);
+        self
+    }
+
+    /// Lets the scene read nothing but what `confinement` says. Files that are named beside the scene may lie anywhere.
+    pub fn confined(mut self, confinement: Confinement) -> Render<'a> {
+        self.confinement = Some(confinement);
+        self
+    }
+
     /// Draws in stages, from a coarse picture to the finished one. `show` gets each stage with
     /// the settings for a file. The last stage has the same bytes as a picture drawn at once.
     /// Only the CPU renderer ([`strahl_cpu::Renderer::refine`]) supports stages; others refuse.
@@ -273,6 +292,7 @@ impl<'a> Render<'a> {
     /// Any problem with the volume or the scene; cancellation.
     pub fn picture(&self) -> Result<Picture, Error> {
         let start = Instant::now();
+        let budget = self.budget.unwrap_or_default();
         let session = self.session();
         let data = self.data(&session)?;
         let read_seconds = start.elapsed().as_secs_f64();
@@ -283,8 +303,11 @@ impl<'a> Render<'a> {
             Some(text) => Some(SceneGraph::new(&self.graph_name(), Some(text))?),
             None => None,
         };
+        let datasets = data.datasets();
+        let threads = self.options.threads;
+        budget.check(&plan, &datasets, &self.backend, graph.is_some(), threads)?;
         let wanted = DrawRequest {
-            data: &data.datasets(),
+            data: &datasets,
             plan: &plan,
             graph: graph.as_ref(),
         };
@@ -385,7 +408,8 @@ impl<'a> Render<'a> {
 
     /// Everything that the scene names.
     fn data(&self, session: &Session) -> Result<SceneData, Error> {
-        SceneData::load(session, &self.scene, self.own()?, &self.control)
+        let within = self.confinement.as_ref();
+        SceneData::load(session, &self.scene, self.own()?, within, &self.control)
             .map_err(|error| error.of_scene(&self.scene_path))
     }
 
@@ -441,7 +465,7 @@ impl<'a> Render<'a> {
                     })?,
                     None => ReadOptions::default(),
                 };
-                return Ok(OwnVolume::Files(paths.clone(), options));
+                return Ok(OwnVolume::Given(paths.clone(), options));
             }
             (Source::Scene, Some(source)) => source,
             (Source::Scene, None) => {
@@ -504,21 +528,50 @@ impl Session {
     }
 }
 
+/// What a picture file says about how it was made.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Told {
+    /// The scene. Its paths are put as seen from the file's folder; of what lies on another branch of the file system only
+    /// the last name is told.
+    #[default]
+    Scene,
+    /// The scene without what may say whose data it is: of paths only the last names, no series.
+    Anonymous,
+    /// Nothing.
+    Nothing,
+}
+
 impl Picture {
-    /// Writes a file with the picture and its scene. The paths in the scene become relative to
-    /// the file's folder.
+    /// Writes a file with the picture and its scene, as [`Told::Scene`] has it.
     ///
     /// # Errors
     /// If the file cannot be written; nothing is left then.
-    pub fn write(&self, encoding: Encoding, mut output: Output) -> Result<(), Error> {
-        let scene = seen_from(output.folder(), &self.scene);
-        let recipe = Recipe::new(scene.to_json());
+    pub fn write(&self, encoding: Encoding, output: Output) -> Result<(), Error> {
+        self.write_telling(Told::Scene, encoding, output)
+    }
+
+    /// Writes a file with the picture, which tells as much as `told` says.
+    ///
+    /// # Errors
+    /// As [`Picture::write`].
+    pub fn write_telling(
+        &self,
+        told: Told,
+        encoding: Encoding,
+        mut output: Output,
+    ) -> Result<(), Error> {
+        let scene = match told {
+            Told::Scene => Some(told_from(output.folder(), &self.scene)),
+            Told::Anonymous => Some(anonymous(&self.scene)),
+            Told::Nothing => None,
+        };
+        let recipe = scene.map(|scene| Recipe::new(scene.to_json()));
         write_picture(
             &self.image,
             self.depth_mm.as_deref(),
             &self.display,
             encoding,
-            Some(&recipe),
+            recipe.as_ref(),
             &mut output,
         )?;
         output.finish()

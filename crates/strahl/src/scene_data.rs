@@ -1,7 +1,9 @@
 //! Reads everything that a scene names: volumes, masks, meshes, shader functions.
 
 use crate::Error;
+use crate::confinement::Confinement;
 use crate::folder::{Folder, file_name};
+use crate::scene_file::check_paths;
 use crate::session::{ReadLabels, Session};
 use std::any::Any;
 use std::collections::BTreeMap;
@@ -22,14 +24,18 @@ pub(crate) enum OwnVolume<'o> {
     Volume(&'o Volume),
     /// A phantom with as many voxels.
     Phantom(Phantom, [usize; 3]),
-    /// The volume in these files.
+    /// The volume in these files, which the scene names.
     Files(Vec<PathBuf>, ReadOptions),
+    /// The same in files that were named beside the scene, wherever they lie.
+    Given(Vec<PathBuf>, ReadOptions),
 }
 
-/// Who reads, and who may end it.
+/// Who reads, where, and who may end it.
 #[derive(Clone, Copy)]
 struct Reading<'r> {
     session: &'r Session,
+    /// Where the scene may read, if not everywhere.
+    within: Option<&'r Confinement>,
     control: &'r Control,
 }
 
@@ -53,8 +59,10 @@ impl SceneData {
         session: &Session,
         scene: &Scene,
         own: OwnVolume,
+        within: Option<&Confinement>,
         control: &Control,
     ) -> Result<SceneData, Error> {
+        scene.check_counts()?;
         let level = scene.volume.as_ref().and_then(|volume| volume.level);
         let mut data = SceneData {
             volumes: Vec::new(),
@@ -65,7 +73,14 @@ impl SceneData {
             notes: Vec::new(),
             held: Vec::new(),
         };
-        let reading = Reading { session, control };
+        let reading = Reading {
+            session,
+            within,
+            control,
+        };
+        if let Some(within) = within {
+            check_paths(scene, within)?;
+        }
         // A file that says that it holds labels is not a scan, unless the scene says how its numbers are drawn.
         let mut labels_in = scene.labels.as_ref().map(|labels| labels.path.clone());
         let preset = scene.preset.as_deref().and_then(PresetInfo::find);
@@ -75,6 +90,7 @@ impl SceneData {
             || scene.transfer_function.is_some()
             || scene.debug.is_some()
             || scene.graph.is_some();
+        let is_given = matches!(own, OwnVolume::Given(..));
         let own = match own {
             OwnVolume::Volume(volume) => volume.clone(),
             OwnVolume::Phantom(phantom, dims) => {
@@ -85,8 +101,11 @@ impl SceneData {
                 }
                 data.hold(session.phantom(phantom, dims, control)?)
             }
-            OwnVolume::Files(paths, options) => {
-                let read = session.volume(&paths, &options, control)?;
+            OwnVolume::Files(paths, options) | OwnVolume::Given(paths, options) => {
+                // Given files may lie anywhere.
+                let within = within.filter(|_| !is_given);
+                let reading = Reading { within, ..reading };
+                let read = session.volume(&paths, &options, within, control)?;
                 if let (true, false, None, [path]) = (
                     read.value.labels.is_some(),
                     draws_values,
@@ -99,7 +118,13 @@ impl SceneData {
             }
         };
         data.add_volume(reading, own, level)?;
-        data.load_labels(reading, scene, labels_in)?;
+        // Labels in a given file are given, too.
+        let is_given = is_given && scene.labels.is_none();
+        let of_labels = Reading {
+            within: within.filter(|_| !is_given),
+            ..reading
+        };
+        data.load_labels(of_labels, scene, labels_in)?;
         for object in scene.objects.iter().flatten() {
             if let Some(source) = &object.volume {
                 let volume = data.read_volume(reading, source)?;
@@ -172,7 +197,9 @@ impl SceneData {
     /// Adds `volume`, as coarse as a scene says.
     fn add_volume(
         &mut self,
-        Reading { session, control }: Reading,
+        Reading {
+            session, control, ..
+        }: Reading,
         volume: Volume,
         level: Option<f64>,
     ) -> Result<(), Error> {
@@ -192,7 +219,9 @@ impl SceneData {
         // One of the two is there and known, as has just been checked.
         if let Some(phantom) = source.phantom.as_deref().and_then(Phantom::from_name) {
             let dims = source.dims.unwrap_or(phantom.default_dims());
-            let Reading { session, control } = reading;
+            let Reading {
+                session, control, ..
+            } = reading;
             return Ok(self.hold(session.phantom(phantom, dims, control)?));
         }
         let path = PathBuf::from(source.path.clone().unwrap_or_default());
@@ -201,11 +230,15 @@ impl SceneData {
 
     fn read_files(
         &mut self,
-        Reading { session, control }: Reading,
+        Reading {
+            session,
+            within,
+            control,
+        }: Reading,
         paths: &[PathBuf],
         options: &ReadOptions,
     ) -> Result<Volume, Error> {
-        let read = session.volume(paths, options, control)?;
+        let read = session.volume(paths, options, within, control)?;
         self.notes.extend(read.value.notes.iter().cloned());
         let volume = read.value.volume.clone();
         self.held.push(read);
@@ -219,10 +252,14 @@ impl SceneData {
         clip: &MaskClip,
         place: &str,
     ) -> Result<Volume, Error> {
-        let Reading { session, control } = reading;
+        let Reading {
+            session,
+            within,
+            control,
+        } = reading;
         if clip.labels.is_none() {
             let options = ReadOptions::default();
-            let read = session.volume(&[PathBuf::from(&clip.path)], &options, control)?;
+            let read = session.volume(&[PathBuf::from(&clip.path)], &options, within, control)?;
             let volume = read.value.volume.clone();
             self.held.push(read);
             return Ok(volume);
@@ -235,10 +272,14 @@ impl SceneData {
 
     fn read_labels(
         &mut self,
-        Reading { session, control }: Reading,
+        Reading {
+            session,
+            within,
+            control,
+        }: Reading,
         path: &str,
     ) -> Result<Arc<ReadLabels>, Error> {
-        let read = session.labels(path, control)?;
+        let read = session.labels(path, within, control)?;
         let notes = read.value.1.iter().map(|note| format!("{path}: {note}"));
         self.notes.extend(notes);
         Ok(read)
@@ -282,11 +323,12 @@ fn read_module(path: &Path) -> Result<Module, Error> {
 /// The shader function in a file.
 #[cfg(feature = "graph")]
 fn read_module(path: &Path) -> Result<Module, Error> {
+    use crate::confinement::open_regular;
     use std::io::Read;
     use strahl_shader::MOST_MODULE_BYTES;
     let fail = |error| Error::path(path, error);
     let mut text = Vec::new();
-    let file = fs::File::open(path).map_err(fail)?;
+    let file = open_regular(path).map_err(fail)?;
     // One more, so that the parser sees what is too long and has the words for it.
     file.take(MOST_MODULE_BYTES as u64 + 1)
         .read_to_end(&mut text)

@@ -1,7 +1,8 @@
 //! Scenes on disk: JSON files, and pictures that contain their scene.
 
+use crate::confinement::{Confinement, open_regular};
 use crate::{Error, Recipe, scene_graph};
-use std::fs::{self, File};
+use std::fs;
 use std::io::Read;
 use std::path::{Component, Path, PathBuf};
 use strahl_scene::{Clip, GraphText, MOST_SCENE_BYTES, Scene};
@@ -15,6 +16,8 @@ pub struct SceneFile {
     pub scene: Scene,
     /// The program that made the picture, if the scene comes from one.
     pub software: Option<String>,
+    /// Where the scene may read, if not everywhere.
+    pub confinement: Option<Confinement>,
 }
 
 /// How much of a file is looked at to tell a scene from a volume.
@@ -25,9 +28,22 @@ impl SceneFile {
     /// picture. `None` if the content is something else. A file whose name ends in `.json`
     /// always counts as a scene, so that its error message is useful.
     ///
+    /// The scene of a picture is confined to what lies beside the picture, see [`Confinement`].
+    ///
     /// # Errors
-    /// If the file cannot be read, or is meant as a scene and is not one.
+    /// If the file cannot be read, or is meant as a scene and is not one; it names a graph that it may not read.
     pub fn open(path: &Path) -> Result<Option<SceneFile>, Error> {
+        SceneFile::open_within(path, None)
+    }
+
+    /// The same of a scene that may read as `confinement` says, whatever it comes from.
+    ///
+    /// # Errors
+    /// As [`SceneFile::open`].
+    pub fn open_within(
+        path: &Path,
+        confinement: Option<&Confinement>,
+    ) -> Result<Option<SceneFile>, Error> {
         let fail = |error| Error::path(path, error);
         if fs::metadata(path).map_err(fail)?.is_dir() {
             return Ok(None);
@@ -35,7 +51,7 @@ impl SceneFile {
         let (text, software) = if let Some(recipe) = recipe(path)? {
             (recipe.scene, Some(recipe.software))
         } else {
-            let mut file = File::open(path).map_err(fail)?;
+            let mut file = open_regular(path).map_err(fail)?;
             let mut bytes = Vec::new();
             (&mut file)
                 .take(HEAD_BYTES)
@@ -59,15 +75,21 @@ impl SceneFile {
         };
         let name = path.display().to_string();
         let folder = path.parent().unwrap_or(Path::new(""));
+        let confinement = match (confinement, &software) {
+            (Some(confinement), _) => Some(confinement.clone()),
+            (None, Some(_)) => Some(Confinement::to(folder)?),
+            (None, None) => None,
+        };
+        let within = confinement.as_ref();
         let mut scene = if is_graph(&name, &text) {
             Scene {
-                graph: Some(whole_graph(&name, &text, folder)?),
+                graph: Some(whole_graph(&name, &text, folder, within)?),
                 ..Scene::default()
             }
         } else {
             let mut scene = Scene::parse(&name, &text)?;
             if let Some(graph) = &mut scene.graph {
-                *graph = whole_graph(&name, graph.as_str(), folder)?;
+                *graph = whole_graph(&name, graph.as_str(), folder, within)?;
             }
             scene
         };
@@ -80,6 +102,7 @@ impl SceneFile {
             path: path.to_owned(),
             scene,
             software,
+            confinement,
         }))
     }
 }
@@ -98,8 +121,13 @@ fn is_graph(name: &str, text: &str) -> bool {
 
 /// A graph with every graph and WGSL file that it names inside it, and its other paths put as seen from the
 /// current folder.
-fn whole_graph(name: &str, text: &str, folder: &Path) -> Result<GraphText, Error> {
-    scene_graph::with_paths(name, text, folder, |path| {
+fn whole_graph(
+    name: &str,
+    text: &str,
+    folder: &Path,
+    confinement: Option<&Confinement>,
+) -> Result<GraphText, Error> {
+    scene_graph::with_paths(name, text, folder, confinement, |path| {
         if let Some(joined) = folder.join(&*path).to_str() {
             *path = joined.to_owned();
         }
@@ -151,24 +179,79 @@ fn skip_comments(mut text: &str) -> &str {
 /// `scene` with its paths put as seen from `folder`, with `/` between, for a file that will lie
 /// there. A file on another branch of the file system keeps its whole path.
 pub fn seen_from(folder: &Path, scene: &Scene) -> Scene {
-    let mut scene = scene.clone();
     let folder = whole(if folder.as_os_str().is_empty() {
         Path::new(".")
     } else {
         folder
     });
-    let change = |path: &mut String| {
+    with_paths(scene, |path| {
         if let Some(relative) = relative(&whole(Path::new(&*path)), &folder) {
             *path = relative;
         }
-    };
-    paths_of(&mut scene).into_iter().for_each(change);
+    })
+}
+
+/// The same for a picture in `folder`, which may go anywhere: a path that would be whole becomes the name of its file.
+pub(crate) fn told_from(folder: &Path, scene: &Scene) -> Scene {
+    with_paths(&seen_from(folder, scene), |path| {
+        if Path::new(&*path).is_absolute() {
+            *path = last_name(path);
+        }
+    })
+}
+
+/// `scene` without what may say whose data it shows.
+pub(crate) fn anonymous(scene: &Scene) -> Scene {
+    let mut scene = with_paths(scene, |path| *path = last_name(path));
+    let objects = scene.objects.iter_mut().flatten();
+    let of_objects = objects.filter_map(|object| object.volume.as_mut());
+    for volume in scene.volume.as_mut().into_iter().chain(of_objects) {
+        volume.series = None;
+    }
+    scene
+}
+
+fn last_name(path: &str) -> String {
+    let name = Path::new(path).file_name();
+    name.map_or(".".to_owned(), |name| name.to_string_lossy().into_owned())
+}
+
+/// `scene` with every path changed, also those of its graph.
+fn with_paths(scene: &Scene, change: impl Fn(&mut String)) -> Scene {
+    let mut scene = scene.clone();
+    paths_of(&mut scene).into_iter().for_each(&change);
     if let Some(graph) = &mut scene.graph
-        && let Ok(text) = scene_graph::with_paths("graph", graph.as_str(), Path::new(""), change)
+        && let Ok(text) =
+            scene_graph::with_paths("graph", graph.as_str(), Path::new(""), None, &change)
     {
         *graph = text;
     }
     scene
+}
+
+/// That everything that `scene` names lies where `confinement` says.
+pub(crate) fn check_paths(scene: &Scene, confinement: &Confinement) -> Result<(), Error> {
+    let mut scene = scene.clone();
+    for path in paths_of(&mut scene) {
+        confinement.check(Path::new(&*path))?;
+    }
+    let Some(graph) = &scene.graph else {
+        return Ok(());
+    };
+    let mut checked = Ok(());
+    let check = |path: &mut String| {
+        if checked.is_ok() {
+            checked = confinement.check(Path::new(&*path));
+        }
+    };
+    scene_graph::with_paths(
+        "graph",
+        graph.as_str(),
+        Path::new(""),
+        Some(confinement),
+        check,
+    )?;
+    checked
 }
 
 /// Every path in a scene: volumes, labels, meshes, masks, shader functions.

@@ -1,6 +1,7 @@
 //! The graph of a scene: read, edited, compiled, with the pictures that it reads.
 
 use crate::Error;
+use crate::confinement::{Confinement, open_regular};
 use crate::note::Note;
 use std::fs;
 use std::io::Read;
@@ -33,9 +34,10 @@ pub(crate) fn with_paths(
     name: &str,
     text: &str,
     folder: &Path,
+    confinement: Option<&Confinement>,
     change: impl FnMut(&mut String),
 ) -> Result<GraphText, Error> {
-    let mut asked = read(name, text, folder)?;
+    let mut asked = read(name, text, folder, confinement)?;
     asked.for_each_path_mut(change);
     GraphText::new(asked.to_text()).map_err(|why| Error::not_usable(Path::new(name), why))
 }
@@ -109,7 +111,7 @@ impl SceneGraph {
     /// The text is wrong, or a file that it names cannot be read.
     pub fn new(name: &str, text: Option<&GraphText>) -> Result<SceneGraph, Error> {
         let asked = match text {
-            Some(text) => read(name, text.as_str(), Path::new(""))?,
+            Some(text) => read(name, text.as_str(), Path::new(""), None)?,
             None => GraphUse::default(),
         };
         let mut patterns = Patterns::new();
@@ -258,15 +260,23 @@ impl SceneGraph {
 }
 
 /// What the text of a graph asks for; files that it names lie in `folder`.
-pub(crate) fn read(name: &str, text: &str, folder: &Path) -> Result<GraphUse, Error> {
+pub(crate) fn read(
+    name: &str,
+    text: &str,
+    folder: &Path,
+    confinement: Option<&Confinement>,
+) -> Result<GraphUse, Error> {
     Ok(GraphUse::read(name, text, &mut |path| {
-        text_of(&folder.join(path)).map_err(|error| error.to_string())
+        let path = folder.join(path);
+        let allowed = confinement.map_or(Ok(()), |confinement| confinement.check(&path));
+        allowed.map_err(|error| error.to_string())?;
+        text_of(&path).map_err(|error| error.to_string())
     })?)
 }
 
 fn text_of(path: &Path) -> Result<String, std::io::Error> {
     let mut bytes = Vec::new();
-    fs::File::open(path)?
+    open_regular(path)?
         // One more, so that the parser sees what is too long and has the words for it.
         .take(MOST_GRAPH_BYTES as u64 + 1)
         .read_to_end(&mut bytes)?;
@@ -300,7 +310,7 @@ fn add_patterns(patterns: &mut Patterns, folder: &Path) -> Result<(), Error> {
 
 /// A PNG as linear colours.
 fn picture(path: &Path) -> Result<Table2d, Error> {
-    let file = fs::File::open(path).map_err(|error| Error::path(path, error))?;
+    let file = open_regular(path).map_err(|error| Error::path(path, error))?;
     let wrong = |why: String| Error::not_usable(path, why);
     let mut decoder = png::Decoder::new(std::io::BufReader::new(file));
     decoder.set_transformations(
@@ -318,7 +328,11 @@ fn picture(path: &Path) -> Result<Table2d, Error> {
     let bytes = reader
         .output_buffer_size()
         .ok_or_else(|| wrong("it is too large".to_owned()))?;
-    let mut pixels = vec![0; bytes];
+    let mut pixels = Vec::new();
+    if pixels.try_reserve_exact(bytes).is_err() {
+        return Err(wrong(format!("there is no memory for its {bytes} bytes")));
+    }
+    pixels.resize(bytes, 0);
     let frame = reader
         .next_frame(&mut pixels)
         .map_err(|error| wrong(format!("a damaged PNG: {error}")))?;

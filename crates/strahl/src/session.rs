@@ -1,6 +1,7 @@
 //! Sessions keep data, derived data, devices and threads from picture to picture.
 
 use crate::Error;
+use crate::confinement::Confinement;
 #[cfg(feature = "gpu")]
 use crate::devices::Devices;
 use crate::load::{FileState, load_seen};
@@ -145,6 +146,7 @@ impl Session {
         &self,
         paths: &[PathBuf],
         options: &ReadOptions,
+        within: Option<&Confinement>,
         control: &Control,
     ) -> Result<Arc<Read<LoadedVolume>>, Error> {
         let key = VolumeKey {
@@ -152,17 +154,22 @@ impl Session {
             options: options.clone(),
         };
         self.found(&key, control, || {
-            let (value, seen) = load_seen(paths, options, control)?;
+            let (value, seen) = load_seen(paths, options, within, control)?;
             Ok(Read { value, seen })
         })
     }
 
-    /// The label volume in the file `path`, with the notes of its reader.
-    pub(crate) fn labels(&self, path: &str, control: &Control) -> Result<Arc<ReadLabels>, Error> {
+    /// The label volume in the file `path`, with what reading it had to say.
+    pub(crate) fn labels(
+        &self,
+        path: &str,
+        within: Option<&Confinement>,
+        control: &Control,
+    ) -> Result<Arc<ReadLabels>, Error> {
         let paths = [PathBuf::from(path)];
         let key = LabelsKey(States::of(&paths)?);
         self.found(&key, control, || {
-            let (loaded, seen) = load_seen(&paths, &ReadOptions::default(), control)?;
+            let (loaded, seen) = load_seen(&paths, &ReadOptions::default(), within, control)?;
             let labels = LabelVolume::from_volume(loaded.volume, loaded.labels.unwrap_or_default());
             let labels = labels.map_err(|error| error.in_file(path))?;
             Ok(Read {

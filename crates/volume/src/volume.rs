@@ -92,6 +92,25 @@ impl Volume {
         })))
     }
 
+    /// The same voxels under metadata without what may say whose they are: name, descriptions, dates. Copies them if
+    /// the volume has clones.
+    #[must_use]
+    pub fn anonymous(self) -> Volume {
+        let (grid, samples, rescale, metadata) = self.into_parts();
+        Volume(Arc::new(Content {
+            id: ContentId::unique(),
+            grid,
+            samples,
+            rescale,
+            metadata: Metadata {
+                name: String::new(),
+                entries: Vec::new(),
+                ..metadata
+            },
+            statistics: OnceLock::new(),
+        }))
+    }
+
     /// What clones of this volume have in common, and no other volume has.
     pub fn id(&self) -> ContentId {
         self.0.id

@@ -20,7 +20,10 @@ pub fn run(flags: &ConvertFlags, quiet: bool) -> Result<()> {
     // Both before the long work.
     let format = Format::of_name(name)?;
     drop(Output::create(path)?);
-    let loaded = load(&flags.inputs, &flags.read, quiet)?;
+    let mut loaded = load(&flags.inputs, &flags.read, quiet)?;
+    if flags.anonymous {
+        loaded.volume = loaded.volume.anonymous();
+    }
     for note in &loaded.notes {
         print::note(note, quiet);
     }
@@ -34,7 +37,11 @@ pub fn run(flags: &ConvertFlags, quiet: bool) -> Result<()> {
         outputs: Vec::new(),
     };
     write(name, &loaded.volume, &options, &mut files)?;
-    for output in files.outputs {
+    // The header, which names the others, goes first and comes last.
+    if let [header, _, ..] = files.outputs.as_slice() {
+        header.remove_old()?;
+    }
+    for output in files.outputs.into_iter().rev() {
         output.finish()?;
     }
     drop(progress);
@@ -43,7 +50,7 @@ pub fn run(flags: &ConvertFlags, quiet: bool) -> Result<()> {
     }
     if !quiet {
         let [x, y, z] = loaded.volume.grid().dims();
-        eprintln!("wrote {}: {x} × {y} × {z} voxels", path.display());
+        print::message(&format!("wrote {}: {x} × {y} × {z} voxels", path.display()));
     }
     Ok(())
 }

@@ -1,7 +1,9 @@
 //! `strahl render` and `strahl demo`: a picture.
 
 use crate::args;
-use crate::flags::{DemoFlags, DrawFlags, PictureFlags, ReadFlags, RenderFlags, StatsFormat};
+use crate::flags::{
+    DemoFlags, DrawFlags, PictureFlags, ReadFlags, RenderFlags, StatsFormat, TrustFlags,
+};
 use crate::print;
 use crate::progress::{Progress, Stages};
 use crate::remedy;
@@ -10,14 +12,16 @@ use serde_json::{Value, json};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 use strahl::scene::VolumeSource;
 use strahl::scene::plan::Display;
 use strahl::volume::Phantom;
-use strahl::{DrawnBy, Encoding, Image, Output, Picture, Render, Scene, SceneFile, cpu};
+use strahl::{
+    Confinement, DrawnBy, Encoding, Image, Output, Picture, Render, Scene, SceneFile, Told, cpu,
+};
 
 pub fn render(flags: &RenderFlags, quiet: bool) -> Result<()> {
-    let subject = subject(&flags.inputs, &flags.read, quiet)?;
+    let subject = subject_within(&flags.inputs, &flags.read, &flags.trust, quiet)?;
     draw(subject, &flags.draw, &flags.file, &flags.output, quiet)
 }
 
@@ -42,11 +46,22 @@ pub fn demo(flags: &DemoFlags, quiet: bool) -> Result<()> {
 
 /// What the files that were named ask to draw: a volume, a scene, or a scene with another volume.
 pub fn subject(inputs: &[PathBuf], read: &ReadFlags, quiet: bool) -> Result<Render<'static>> {
+    subject_within(inputs, read, &TrustFlags::default(), quiet)
+}
+
+/// The same, with what a scene may read.
+pub fn subject_within(
+    inputs: &[PathBuf],
+    read: &ReadFlags,
+    trust: &TrustFlags,
+    quiet: bool,
+) -> Result<Render<'static>> {
+    let confinement = trust.confine.as_deref().map(Confinement::to).transpose()?;
     let [first, others @ ..] = inputs else {
         bail!("no scene and no volume is named");
     };
     let mut source = VolumeSource::default();
-    let render = match SceneFile::open(first)? {
+    let render = match SceneFile::open_within(first, confinement.as_ref())? {
         Some(file) => {
             if let Some(software) = file.software.as_ref().filter(|s| **s != strahl::SOFTWARE) {
                 print::note(
@@ -93,6 +108,10 @@ fn draw(
     if file.depth {
         subject = subject.with_depth();
     }
+    let budget = args::budget(&file.limits)?;
+    if let Some(seconds) = file.limits.max_time {
+        end_after(seconds);
+    }
     // Before the long work, so that a place that cannot be written is found first.
     let output = Output::create(path)?;
     let stages = Stages::new(quiet);
@@ -124,6 +143,7 @@ fn draw(
     let picture = subject
         .threads(file.threads.unwrap_or(0))
         .backend(args::backend(file)?)
+        .budget(budget)
         .control(stages.control())
         .picture();
     drop(stages);
@@ -133,7 +153,12 @@ fn draw(
     let picture = picture?;
     let write_start = Instant::now();
     let writing = Progress::new("writing", quiet);
-    picture.write(encoding, output)?;
+    let told = match (file.no_recipe, file.anonymous) {
+        (true, _) => Told::Nothing,
+        (_, true) => Told::Anonymous,
+        _ => Told::Scene,
+    };
+    picture.write_telling(told, encoding, output)?;
     drop(writing);
     let write_seconds = write_start.elapsed().as_secs_f64();
     for note in &picture.notes {
@@ -146,13 +171,28 @@ fn draw(
     if !quiet {
         let (width, height) = (picture.image.width(), picture.image.height());
         let path = path.display();
-        eprintln!("wrote {path}: {width} × {height} pixels in {total_seconds:.1} s");
+        print::message(&format!(
+            "wrote {path}: {width} × {height} pixels in {total_seconds:.1} s"
+        ));
     }
     if let Some(StatsFormat::Json) = file.stats {
         let stats = stats(path, &picture, write_seconds, total_seconds);
         print::out(&(serde_json::to_string_pretty(&stats)? + "\n"))?;
     }
     Ok(())
+}
+
+/// Ends the program after so many seconds, wherever it is then.
+fn end_after(seconds: f64) {
+    let limit = Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX);
+    std::thread::spawn(move || {
+        std::thread::sleep(limit);
+        strahl::abandon_outputs();
+        print::message(&format!(
+            "error: the picture is not finished after {seconds} seconds, the limit of --max-time"
+        ));
+        std::process::exit(1);
+    });
 }
 
 /// Writes the picture of a stage, which has no recipe: no scene gives it alone.

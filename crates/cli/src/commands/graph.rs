@@ -60,7 +60,7 @@ fn check(flags: &GraphInputFlags, quiet: bool) -> Result<()> {
         match check_one(path, quiet) {
             Ok(verdict) => print::out(&format!("{}: {verdict}\n", path.display()))?,
             Err(error) => {
-                eprintln!("error: {}", print::chain(&error));
+                print::message(&format!("error: {}", print::chain(&error)));
                 wrong += 1;
             }
         }

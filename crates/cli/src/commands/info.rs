@@ -21,12 +21,15 @@ pub fn run(flags: &InfoFlags, quiet: bool) -> Result<()> {
         [first, ..] => format!("{} and {} more", first.display(), flags.volume.len() - 1),
         [] => String::new(),
     };
-    let loaded = load(&flags.volume, &flags.read, quiet)?;
+    let mut loaded = load(&flags.volume, &flags.read, quiet)?;
+    if flags.anonymous {
+        loaded.volume = loaded.volume.anonymous();
+    }
     if flags.json {
         let json = serde_json::to_string_pretty(&as_json(&name, &loaded))?;
         print::out(&(json + "\n"))
     } else {
-        print::out(&as_text(&name, &loaded))
+        print::out(&print::harmless(&as_text(&name, &loaded)))
     }
 }
 

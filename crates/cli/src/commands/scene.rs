@@ -24,7 +24,7 @@ fn check(flags: &SceneCheckFlags, quiet: bool) -> Result<()> {
         match check_one(path, quiet) {
             Ok(verdict) => print::out(&format!("{}: {verdict}\n", path.display()))?,
             Err(error) => {
-                eprintln!("error: {}", print::chain(&error));
+                print::message(&format!("error: {}", print::chain(&error)));
                 wrong += 1;
             }
         }
@@ -55,7 +55,7 @@ fn check_one(path: &Path, quiet: bool) -> Result<&'static str> {
 fn show(flags: &SceneShowFlags, quiet: bool) -> Result<()> {
     let output = flags.output.as_deref().map(Output::create).transpose()?;
     let subject = draw::over(
-        draw::subject(&flags.inputs, &flags.read, quiet)?,
+        draw::subject_within(&flags.inputs, &flags.read, &flags.trust, quiet)?,
         &flags.draw,
     )?;
     let stages = Stages::new(quiet);

@@ -6,10 +6,9 @@ use crate::flags::{
     ShaderShowFlags,
 };
 use crate::print;
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail};
 use serde_json::{Value, json};
 use std::fmt::Write;
-use std::fs;
 use std::path::Path;
 use strahl::shader::{Module, Program, SLOTS, Slot, Work, library};
 
@@ -163,7 +162,7 @@ fn check(flags: &ShaderCheckFlags) -> Result<()> {
         match check_one(path) {
             Ok(verdict) => print::out(&format!("{}: {verdict}\n", path.display()))?,
             Err(error) => {
-                eprintln!("error: {}", print::chain(&error));
+                print::message(&format!("error: {}", print::chain(&error)));
                 wrong += 1;
             }
         }
@@ -176,7 +175,7 @@ fn check(flags: &ShaderCheckFlags) -> Result<()> {
 
 fn check_one(path: &Path) -> Result<String> {
     let file = path.display().to_string();
-    let source = fs::read_to_string(path).with_context(|| format!("cannot read {file}"))?;
+    let source = strahl::read_text(path, 4 * strahl::shader::MOST_MODULE_BYTES)?;
     let name = path.file_stem().unwrap_or_default().to_string_lossy();
     let module = Module::parse(&name, &file, &source)?;
     let parameters: Vec<_> = module

@@ -48,6 +48,9 @@ fn stopped() -> ControlFlow<()> {
     }
 }
 
+/// No Spec and no script is longer.
+const MOST_TEXT_BYTES: usize = 64 << 20;
+
 pub fn run(command: &SimCommand, quiet: bool) -> Result<()> {
     match command {
         SimCommand::Run(flags) => run_frame(flags, quiet),
@@ -59,7 +62,7 @@ pub fn run(command: &SimCommand, quiet: bool) -> Result<()> {
 
 fn script(flags: &SimScriptFlags) -> Result<()> {
     let file = flags.script.display().to_string();
-    let text = fs::read_to_string(&flags.script).with_context(|| format!("cannot read {file}"))?;
+    let text = strahl::read_text(&flags.script, MOST_TEXT_BYTES)?;
     let spec = read_spec(flags.spec.as_deref())?.unwrap_or_default();
     let output = flags.output.as_deref().map(Output::create).transpose()?;
     let read = host_script::run(&file, &text, &spec.with(&flags.set)?)?;
@@ -94,7 +97,7 @@ fn read_spec(path: Option<&Path>) -> Result<Option<Spec>> {
         return Ok(None);
     };
     let file = path.display().to_string();
-    let text = fs::read_to_string(path).with_context(|| format!("cannot read {file}"))?;
+    let text = strahl::read_text(path, MOST_TEXT_BYTES)?;
     Ok(Some(Spec::parse(&file, &text)?))
 }
 
@@ -184,7 +187,9 @@ fn run_frame(flags: &SimRunFlags, quiet: bool) -> Result<()> {
     }
     if !quiet {
         let speed = statistics.counters.clocks as f64 / seconds / 1e6;
-        eprintln!("simulated in {seconds:.2} s, {speed:.1} million clocks per second");
+        print::message(&format!(
+            "simulated in {seconds:.2} s, {speed:.1} million clocks per second"
+        ));
     }
     Ok(())
 }
@@ -581,7 +586,11 @@ fn study(flags: &SimStudyFlags, quiet: bool) -> Result<()> {
     output.write_all(html(&reports).as_bytes())?;
     output.finish()?;
     if !quiet {
-        eprintln!("wrote {} with {} studies", page.display(), reports.len());
+        print::message(&format!(
+            "wrote {} with {} studies",
+            page.display(),
+            reports.len()
+        ));
     }
     Ok(())
 }

@@ -6,8 +6,12 @@ use std::fs;
 #[test]
 fn a_picture_carries_its_graph() {
     let folder = tempfile::tempdir().unwrap();
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/graphs/lit-sphere.json");
-    let scene = path.to_str().unwrap();
+    // A picture reads what lies beside it only.
+    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/graphs");
+    for name in ["lit-sphere.json", "clay.png", "brass.png"] {
+        fs::copy(examples.join(name), folder.path().join(name)).unwrap();
+    }
+    let scene = "lit-sphere.json";
     run_well(
         folder.path(),
         &["render", scene, "-o", "a.png", "--size", "40x30", "-q"],

@@ -5,6 +5,8 @@ mod bad_input;
 mod commands;
 mod flags;
 mod graph;
+#[cfg(unix)]
+mod hostile;
 mod pictures;
 mod shader;
 mod sim;
@@ -78,14 +80,24 @@ fn save(volume: &Volume, folder: &Path, name: &str) {
 
 /// The data beside the checkout; `None`, and a line that says so, where it is missing.
 fn shared_data(name: &str) -> Option<PathBuf> {
+    shared("data", name)
+}
+
+/// The same for cases that somebody has found.
+#[cfg(unix)]
+fn shared_cases(name: &str) -> Option<PathBuf> {
+    shared("cases", name)
+}
+
+fn shared(kind: &str, name: &str) -> Option<PathBuf> {
     let root = std::env::var_os("STRAHL_SHARED").map_or_else(
         || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared"),
         PathBuf::from,
     );
-    let path = root.join("data").join(name);
+    let path = root.join(kind).join(name);
     if path.exists() {
         return Some(path);
     }
-    println!("skipped: no {name} in ../shared/data");
+    println!("skipped: no {name} in ../shared/{kind}");
     None
 }

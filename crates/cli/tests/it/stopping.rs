@@ -28,6 +28,7 @@ fn stopped_by(signal: &str) {
         "3000x3000",
         "--step",
         "0.001",
+        "--force",
         "--threads",
         "1",
         "--method",

@@ -58,3 +58,27 @@ fn loops_without_end_end() {
     let endless = machine.call("main", 1, &[&[0]]).unwrap_err();
     assert!(matches!(endless, Error::Endless(_)), "{endless}");
 }
+
+/// Loops within bounds and calls of functions, multiplied by one another.
+#[test]
+fn trees_of_calls_end() {
+    let mut text = "fn c0(a: f32) -> f32 { return a * 1.1; }".to_owned();
+    for i in 1..50 {
+        let below = i - 1;
+        text += &format!("fn c{i}(a: f32) -> f32 {{ return c{below}(a) + c{below}(a + 1.0); }}");
+    }
+    text +=
+        "@fragment fn main(@location(0) a: f32) -> @location(0) vec4f { return vec4f(c49(a)); }";
+    let loops = "@fragment fn main(@location(0) a: f32) -> @location(0) vec4f {
+        var x = a;
+        for (var i = 0; i < 1000000; i++) { for (var j = 0; j < 1000000; j++) { x += 1.0; } }
+        return vec4f(x);
+    }";
+    for text in [&*text, loops] {
+        let module = parse(text);
+        let machine = Machine::new(&module, Resources::new()).unwrap();
+        let machine = machine.with_most_operations(1 << 20);
+        let endless = machine.call("main", 1, &[&[0]]).unwrap_err();
+        assert!(matches!(endless, Error::TooMuch(_)), "{endless}");
+    }
+}

@@ -1,6 +1,7 @@
 //! What is no graph: each with its place, none with a crash.
 
 use crate::{assert_says, refused, showing};
+use strahl_graph::GraphUse;
 
 #[test]
 fn a_circle_is_named() {
@@ -172,4 +173,73 @@ fn remembering_functions_of_the_library_are_refused() {
         &refused(&showing(nodes, "s")),
         &["nodes.s", "remembers", "carried variable"],
     );
+}
+
+/// A few small texts that name one another often would be millions of nodes.
+#[test]
+fn files_and_groups_that_multiply_are_refused() {
+    let text = |inner: &str, times: usize| {
+        let nodes: Vec<_> = (0..times).map(|i| format!(r#""n{i}": {inner}"#)).collect();
+        let nodes = nodes.join(", ");
+        format!(r#"{{ "strahl_graph": 1, "nodes": {{ {nodes} }}, "roots": {{ "color": "n0" }} }}"#)
+    };
+    let read = |times: usize, files: usize| {
+        let mut opened = 0;
+        let outermost = text(r#"{ "graph_file": "1" }"#, times);
+        let asked = GraphUse::read("0", &outermost, &mut |path| {
+            opened += 1;
+            let number: usize = path.parse().unwrap();
+            Ok(match number < files {
+                true => text(&format!(r#"{{ "graph_file": "{}" }}"#, number + 1), times),
+                false => text(r#"{ "wgsl": "fn f() -> vec4f { return vec4f(1.0); }" }"#, 1),
+            })
+        });
+        (opened, asked.err().map(|error| error.to_string()))
+    };
+    for (times, files) in [(10, 15), (2, 15)] {
+        let (opened, said) = read(times, files);
+        assert!(opened <= 1000, "{opened}");
+        assert_says(&said.unwrap(), &["more than 1000 files are named"]);
+    }
+    assert_eq!(read(2, 5), (62, None));
+
+    // In one text, where each stands.
+    let mut inner = r#"{ "wgsl": "fn f() -> vec4f { return vec4f(1.0); }" }"#.to_owned();
+    for _ in 0..5 {
+        inner = format!(r#"{{ "graph": {} }}"#, text(&inner, 10));
+    }
+    let said = refused(&text(&inner, 2));
+    assert_says(&said, &["groups unfold to more nodes"]);
+    // And so are few with long names.
+    let long = "n".repeat(1 << 14);
+    let mut inner = r#"{ "wgsl": "fn f() -> vec4f { return vec4f(1.0); }" }"#.to_owned();
+    for _ in 0..30 {
+        let node = format!(r#""{long}": {inner}"#);
+        inner = format!(
+            r#"{{ "graph": {{ "strahl_graph": 1, "nodes": {{ {node} }}, "roots": {{ "out": "{long}" }} }} }}"#
+        );
+    }
+    let said = refused(&text(&inner, 10));
+    assert_says(&said, &["longer names"]);
+}
+
+#[test]
+fn large_graphs_full_of_mistakes_are_refused_soon() {
+    let mut nodes = Vec::new();
+    for i in 0..15_000 {
+        nodes.push(format!(
+            r#""n{i}": {{ "pattern": "rest_of", "inputs": {{ "a": "m{i}" }} }}"#
+        ));
+    }
+    let said = refused(&showing(&nodes.join(", "), "n0"));
+    assert_says(&said, &["there is no node `m0`"]);
+    assert!(said.lines().count() < 60, "{}", said.lines().count());
+    for i in 15_000..20_001 {
+        nodes.push(format!(
+            r#""n{i}": {{ "pattern": "rest_of", "inputs": {{ "a": "m{i}" }} }}"#
+        ));
+    }
+    let said = refused(&showing(&nodes.join(", "), "n0"));
+    assert_says(&said, &["a graph has at most 20000"]);
+    assert_eq!(said.lines().count(), 1);
 }

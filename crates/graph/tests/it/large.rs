@@ -82,7 +82,7 @@ fn more_nodes_than_allowed() {
     }
     assert_says(
         &compile(&graph).unwrap_err().to_string(),
-        &["nodes", "at most 100000"],
+        &["nodes", "at most 20000"],
     );
 }
 

@@ -84,7 +84,91 @@ fn deep_nesting_and_long_texts_end_in_a_message() {
         )
     };
     assert!(Module::parse("mine", "mine.wgsl", &deep(100_000)).is_err());
+    // A person's function may nest as deep as this, and is checked.
+    Module::parse("mine", "mine.wgsl", &deep(60)).unwrap();
+    let calls = |n: usize| format!("{}value{}", "abs(".repeat(n), ")".repeat(n));
+    let value = |value: &str| {
+        format!("fn classify(value: f32, position: vec3f) -> Surface {{ return table({value}); }}")
+    };
+    let many = 50_000;
+    for text in [
+        value(&format!("f32({}true)", "!".repeat(many))),
+        value(&format!("{}value", "-".repeat(many))),
+        value(&format!("value{}", " + value".repeat(many / 4))),
+        value(&format!("position{}", ".xyz".repeat(many))),
+        value(&calls(many / 4)),
+        value(&format!(
+            "f32({}1{})",
+            "vec3<".repeat(many / 4),
+            ">".repeat(many / 4)
+        )),
+        format!(
+            "fn classify(value: f32, position: vec3f) -> Surface {{ if value < 0.0 {{ }} {} return table(value); }}",
+            "else if value < 1.0 { } ".repeat(many / 10)
+        ),
+        format!(
+            "fn classify(value: f32, position: vec3f) -> Surface {{ {} {} return table(value); }}",
+            "{".repeat(many),
+            "}".repeat(many)
+        ),
+    ] {
+        let error = Module::parse("mine", "mine.wgsl", &text).unwrap_err();
+        assert!(
+            error.to_string().contains("deep"),
+            "{}",
+            error.to_string().lines().next().unwrap()
+        );
+    }
+    // As deep as is read, in every way.
+    for text in [
+        value(&calls(120)),
+        value(&format!("value{}", " + value".repeat(380))),
+    ] {
+        Module::parse("mine", "mine.wgsl", &text).unwrap();
+    }
     let long = format!("// {}\n", "x".repeat(1 << 20));
     let error = Module::parse("mine", "mine.wgsl", &long).unwrap_err();
     assert!(error.to_string().contains("bytes"), "{error}");
+}
+
+#[test]
+fn trees_and_chains_of_calls_are_refused() {
+    let functions = |number: usize, body: &dyn Fn(usize) -> String| {
+        let mut text = "fn c0(a: f32) -> f32 { return a; }\n".to_owned();
+        for i in 1..number {
+            text += &format!("fn c{i}(a: f32) -> f32 {{ return {}; }}\n", body(i - 1));
+        }
+        let last = number - 1;
+        text + &format!(
+            "fn classify(value: f32, position: vec3f) -> Surface {{ return table(c{last}(value)); }}"
+        )
+    };
+    let tree = functions(31, &|below| format!("c{below}(a) + c{below}(a + 1.0)"));
+    let chain = functions(2000, &|below| format!("c{below}(a)"));
+    for (text, words) in [
+        (tree, "calls of functions; at most"),
+        (chain, "functions 201 deep"),
+    ] {
+        let error = Module::parse("mine", "mine.wgsl", &text)
+            .unwrap_err()
+            .to_string();
+        assert!(
+            error.contains(words) && error.contains("mine.wgsl:"),
+            "{error}"
+        );
+    }
+    let few = functions(10, &|below| format!("c{below}(a) + c{below}(a + 1.0)"));
+    Module::parse("mine", "mine.wgsl", &few).unwrap();
+}
+
+#[test]
+fn barriers_are_refused() {
+    let text = "fn classify(value: f32, position: vec3f) -> Surface {\nworkgroupBarrier(); return table(value); }";
+    let error = Module::parse("mine", "mine.wgsl", text)
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("workgroupBarrier") && error.contains("mine.wgsl:2:1"),
+        "{error}"
+    );
 }

@@ -3,15 +3,18 @@
 use super::display::display_pixel;
 use super::{Recipe, fxaa};
 use crate::Error;
+use png::text_metadata::ITXtChunk;
 use png::{BitDepth, ColorType, Compression, Decoder, Encoder, EncodingError, ScaledFloat};
 use std::io::{BufRead, Seek, Write};
-use strahl_scene::Image;
 use strahl_scene::plan::{Display, DisplayCurve};
+use strahl_scene::{Image, MOST_SCENE_BYTES};
 
 /// Keyword of the iTXt chunk that holds the scene.
 const SCENE: &str = "strahl:scene";
 /// Keyword of the chunk that says which program made the picture, registered by the standard.
 const SOFTWARE: &str = "Software";
+/// No program has a longer name.
+const MOST_SOFTWARE_BYTES: usize = 4096;
 const SIGNATURE: [u8; 8] = *b"\x89PNG\r\n\x1a\n";
 
 pub(super) fn is_png(start: &[u8]) -> bool {
@@ -93,14 +96,26 @@ pub(super) fn read_recipe(file: impl BufRead + Seek) -> Result<Option<Recipe>, E
     let reader = Decoder::new(file)
         .read_info()
         .map_err(|e| Error::not_read("PNG", e))?;
-    let text = |keyword: &str| {
+    let chunk = |keyword: &str| {
         let chunks = &reader.info().utf8_text;
-        let chunk = chunks.iter().find(|c| c.keyword == keyword)?;
-        chunk.get_text().ok()
+        chunks
+            .iter()
+            .find(|chunk| chunk.keyword == keyword)
+            .cloned()
     };
-    Ok(text(SCENE).map(|scene| Recipe {
+    // Unpacked no further than it is read: few bytes can stand for many.
+    let text = |mut chunk: ITXtChunk, most: usize| {
+        chunk.decompress_text_with_limit(most)?;
+        chunk.get_text()
+    };
+    let Some(scene) = chunk(SCENE) else {
+        return Ok(None);
+    };
+    let scene = text(scene, MOST_SCENE_BYTES).map_err(|_| Error::NoRecipe { file: None })?;
+    let software = chunk(SOFTWARE).and_then(|chunk| text(chunk, MOST_SOFTWARE_BYTES).ok());
+    Ok(Some(Recipe {
         scene,
-        software: text(SOFTWARE).unwrap_or_default(),
+        software: software.unwrap_or_default(),
     }))
 }
 

@@ -41,13 +41,16 @@ impl Encoding {
         }
     }
 
-    /// The most bytes that one stored byte can become, where the format sets a limit (deflate: a
-    /// match of 258 bytes takes at least two bits).
-    fn largest_growth(self) -> Option<u64> {
+    /// The most bytes that `stored` ones may become. Deflate sets a limit itself (a match of 258 bytes takes at
+    /// least two bits). bzip2 does not: 46 bytes can stand for 45 million, so a file of 12 KB for more than anyone
+    /// waits for. It may grow as much as deflate does, or to 1 GiB.
+    fn most_unpacked(self, stored: u64) -> u64 {
+        const DEFLATE_GROWTH: u64 = 1032;
+        const FREE_BYTES: u64 = 1 << 30;
         match self {
-            Encoding::Gzip | Encoding::Zlib => Some(1032),
-            Encoding::Bzip2 => None,
-            Encoding::Raw | Encoding::Ascii | Encoding::Hex => Some(1),
+            Encoding::Gzip | Encoding::Zlib => stored.saturating_mul(DEFLATE_GROWTH),
+            Encoding::Bzip2 => stored.saturating_mul(DEFLATE_GROWTH).max(FREE_BYTES),
+            Encoding::Raw | Encoding::Ascii | Encoding::Hex => stored,
         }
     }
 }
@@ -192,11 +195,12 @@ impl<'a> Block<'a> {
         expected: u64,
     ) -> Result<(), Error> {
         let stored = self.bytes.len().saturating_sub(self.offset);
-        if let Some(growth) = self.encoding.largest_growth() {
-            let possible = stored.saturating_mul(growth);
-            if expected.saturating_add(self.skip) > possible {
-                return Err(truncated(expected, possible.saturating_sub(self.skip)));
-            }
+        let possible = self.encoding.most_unpacked(stored);
+        if expected.saturating_add(self.skip) > possible {
+            return Err(match self.encoding {
+                Encoding::Bzip2 => unpacks_to_too_much(stored, possible),
+                _ => truncated(expected, possible.saturating_sub(self.skip)),
+            });
         }
         let mut decoder = decoder(self.bytes, self.offset, self.encoding);
         let fail = |found: u64, error| self.decode_error(error, expected, found);
@@ -321,6 +325,60 @@ pub(crate) fn head(
     }
 }
 
+/// How many bytes everything from `offset` on unpacks to. They are counted, and not kept.
+///
+/// # Errors
+/// Damaged data; more bytes than so few stored ones may become; what the system says.
+pub(crate) fn unpacked_length(
+    bytes: &dyn Bytes,
+    offset: u64,
+    encoding: Encoding,
+) -> Result<u64, Error> {
+    let stored = bytes.len().saturating_sub(offset);
+    length_within(bytes, offset, encoding, encoding.most_unpacked(stored))
+}
+
+fn length_within(
+    bytes: &dyn Bytes,
+    offset: u64,
+    encoding: Encoding,
+    most: u64,
+) -> Result<u64, Error> {
+    let mut decoder = decoder(bytes, offset, encoding);
+    let mut piece = vec![0; PIECE_BYTES];
+    let mut length = 0;
+    loop {
+        // Few stored bytes may become many, so that nobody else asks.
+        bytes.check()?;
+        match decoder.read(&mut piece) {
+            Ok(0) => return Ok(length),
+            Ok(n) => length += n as u64,
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+            Err(error) => {
+                return Err(ErrorKind::Compression {
+                    codec: encoding.name(),
+                    why: error.to_string(),
+                }
+                .into());
+            }
+        }
+        if length > most {
+            return Err(unpacks_to_too_much(
+                bytes.len().saturating_sub(offset),
+                most,
+            ));
+        }
+    }
+}
+
+fn unpacks_to_too_much(stored: u64, most: u64) -> Error {
+    Error::field(
+        "the unpacked size",
+        format!("more than {most} bytes"),
+        format!("up to {most} bytes for {stored} packed ones; unpack the file first"),
+    )
+}
+
 /// Everything from `offset` on, decoded. ASCII is handed out as it is.
 pub(crate) fn decoder<'a>(
     bytes: &'a dyn Bytes,
@@ -348,6 +406,17 @@ pub(crate) fn reserve<T>(into: &mut Vec<T>, additional: usize) -> Result<(), Err
         }
         .into()
     })
+}
+
+/// As many zeros.
+///
+/// # Errors
+/// [`ErrorKind::NoMemory`].
+pub(crate) fn zeroed<T: Clone + Default>(number: usize) -> Result<Vec<T>, Error> {
+    let mut zeros = Vec::new();
+    reserve(&mut zeros, number)?;
+    zeros.resize(number, T::default());
+    Ok(zeros)
 }
 
 /// The bytes of a file from a position on, as a stream.
@@ -705,6 +774,26 @@ mod tests {
         }
         let raw = vec![0u8; 11];
         assert!(block(&raw, Encoding::Raw).read(SampleType::U8, 10).is_err());
+    }
+
+    #[test]
+    fn unpacking_ends_where_it_is_too_much() {
+        let zeros = vec![0u8; 4 << 20];
+        for encoding in [Encoding::Gzip, Encoding::Zlib, Encoding::Bzip2] {
+            let file = packed(encoding, &zeros);
+            assert_eq!(unpacked_length(&file, 0, encoding).unwrap(), 4 << 20);
+            let error = length_within(&file, 0, encoding, 1 << 20).unwrap_err();
+            let error = error.to_string();
+            assert!(error.contains("up to 1048576 bytes"), "{error}");
+        }
+        // bzip2 sets no limit itself: a claim that little cannot keep is refused before it is unpacked.
+        let file = packed(Encoding::Bzip2, &zeros);
+        let bomb = Block {
+            skip: 1 << 40,
+            ..block(&file, Encoding::Bzip2)
+        };
+        let error = bomb.read(SampleType::U8, 10).unwrap_err().to_string();
+        assert!(error.contains("unpack the file first"), "{error}");
     }
 
     #[test]

@@ -110,7 +110,7 @@ impl Storage {
                 let stored = match encoding {
                     Encoding::Raw => bytes.len(),
                     // Counted without being kept.
-                    _ => unpacked_length(bytes, offset, encoding)?,
+                    _ => block::unpacked_length(bytes, offset, encoding)?,
                 };
                 let before = stored.checked_sub(all_bytes).ok_or(ErrorKind::Truncated {
                     what: "the sample data".into(),
@@ -221,18 +221,6 @@ fn place_of(path: &str) -> Named {
         return Named::FromTheRoot(parts.last().copied().unwrap_or_default().to_owned());
     }
     Named::Inside(parts.join("/"))
-}
-
-/// Bytes that are left when everything from `offset` on is unpacked.
-fn unpacked_length(bytes: &dyn Bytes, offset: u64, encoding: Encoding) -> Result<u64, Error> {
-    let mut decoder = block::decoder(bytes, offset, encoding);
-    std::io::copy(&mut decoder, &mut std::io::sink()).map_err(|error| {
-        ErrorKind::Compression {
-            codec: encoding.name(),
-            why: error.to_string(),
-        }
-        .into()
-    })
 }
 
 /// The names that a pattern such as `slice%03d.raw` with first, last and step makes. The step may

@@ -1,4 +1,5 @@
-//! Which kind of file it is, by its first bytes.
+//! Which kind of file it is, by its first bytes. What a file begins with counts before what stands further in, which
+//! may be samples.
 //!
 //! | kind      | offset | bytes                                                              |
 //! |-----------|--------|--------------------------------------------------------------------|
@@ -121,13 +122,6 @@ fn kind_of(head: &[u8]) -> Option<Kind> {
         Some(Kind::Nifti)
     } else if begins(b"NRRD000") {
         Some(Kind::Nrrd)
-    } else if at(128, b"DICM") {
-        Some(Kind::Dicom)
-    } else if [b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"]
-        .iter()
-        .any(|m| begins(*m))
-    {
-        Some(Kind::Tiff)
     } else if begins(b"\x89PNG\r\n\x1a\n") {
         Some(Kind::Png)
     } else if begins(b"\x93NUMPY") {
@@ -143,6 +137,14 @@ fn kind_of(head: &[u8]) -> Option<Kind> {
     .any(|m| begins(m))
     {
         Some(Kind::Pvm)
+    } else if at(128, b"DICM") && begins_with_dicom_element(&head[132..]) {
+        // Its preamble may be the head of a TIFF file (PS3.10, section 7.1).
+        Some(Kind::Dicom)
+    } else if [b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"]
+        .iter()
+        .any(|m| begins(*m))
+    {
+        Some(Kind::Tiff)
     } else if let Some(found) = foreign::of_bytes(head) {
         Some(Kind::Foreign(found))
     } else if begins(b"PK\x03\x04") {
@@ -158,6 +160,8 @@ fn kind_of(head: &[u8]) -> Option<Kind> {
         Some(Kind::Bmp)
     } else if begins(b"# vtk DataFile") {
         Some(Kind::Vtk)
+    } else if at(128, b"DICM") {
+        Some(Kind::Dicom)
     } else if head.windows(8).any(|word| word == b"<VTKFile") {
         Some(Kind::Vti)
     } else if at(208, b"MAP ") || at(208, b"MAP\0") {
@@ -311,6 +315,17 @@ mod tests {
                 with(&[(0, b"\x08\0\x05\0\x0a\0\0\0")]),
                 Some(Kind::MaybeDicom),
             ),
+            // The preamble of DICOM may hold anything; samples may hold DICM.
+            (
+                with(&[(0, b"\x93NUMPY\x01"), (128, b"DICM")]),
+                Some(Kind::Npy),
+            ),
+            (with(&[(0, b"II*\0"), (128, b"DICM")]), Some(Kind::Tiff)),
+            (
+                with(&[(0, b"II*\0"), (128, b"DICM\x02\0\0\0UL\x04\0")]),
+                Some(Kind::Dicom),
+            ),
+            (with(&[(0, b"hello"), (128, b"DICM")]), Some(Kind::Dicom)),
             (with(&[(0, b"II*\0")]), Some(Kind::Tiff)),
             (with(&[(0, b"MM\0+")]), Some(Kind::Tiff)),
             (with(&[(0, b"\x89PNG\r\n\x1a\n")]), Some(Kind::Png)),

@@ -6,7 +6,7 @@
 use super::block::{self, Encoding};
 use super::sniff::{self, Kind};
 use super::{Bytes, Input, LoadedVolume};
-use crate::error::{Error, ErrorKind};
+use crate::error::Error;
 use std::io::{self, Read};
 use std::sync::Mutex;
 
@@ -90,12 +90,7 @@ struct Reading<'a> {
 
 impl<'a> Unpacked<'a> {
     fn new(packed: &'a dyn Bytes, encoding: Encoding) -> Result<Unpacked<'a>, Error> {
-        let mut decoder = block::decoder(packed, 0, encoding);
-        let len =
-            io::copy(&mut decoder, &mut io::sink()).map_err(|error| ErrorKind::Compression {
-                codec: encoding.name(),
-                why: error.to_string(),
-            })?;
+        let len = block::unpacked_length(packed, 0, encoding)?;
         Ok(Unpacked {
             packed,
             encoding,

@@ -814,3 +814,70 @@ fn segmentations_become_labels() {
     set.put(PIXELS, b"OB", &[0xFF; 2]);
     assert!(message(&[("a.dcm", &set.file())]).contains("cut off"));
 }
+
+/// A box of a JP2 file.
+fn jp2_box(kind: &[u8; 4], inside: &[u8]) -> Vec<u8> {
+    let length = (8 + inside.len()) as u32;
+    [&length.to_be_bytes(), &kind[..], inside].concat()
+}
+
+/// The beginning of a JPEG 2000 codestream for one component of 8 bits in tiles of `tile`².
+fn jpeg_2000(columns: u32, rows: u32, tile: u32) -> Vec<u8> {
+    let words = [columns, rows, 0, 0, tile, tile, 0, 0];
+    let words = words.iter().flat_map(|word| word.to_be_bytes());
+    let head = [0xFF, 0x4F, 0xFF, 0x51, 0, 41, 0, 0];
+    head.into_iter()
+        .chain(words)
+        .chain([0, 1, 7, 1, 1])
+        .collect()
+}
+
+#[test]
+fn the_size_that_jpeg_2000_decodes_is_the_one_that_is_checked() {
+    let file = |packed: &[u8]| {
+        let item = |bytes: &[u8]| {
+            let length = bytes.len() as u32;
+            [&[0xFE, 0xFF, 0, 0xE0][..], &length.to_le_bytes(), bytes].concat()
+        };
+        let mut set = image(8, 8, &[]);
+        set.0.retain(|element| (element.0, element.1) != PIXELS);
+        set.shorts((0x28, 0x100), b"US", &[8])
+            .shorts((0x28, 0x101), b"US", &[8])
+            .shorts((0x28, 0x102), b"US", &[7]);
+        let pixels = [
+            0xE0, 0x7F, 0x10, 0, b'O', b'B', 0, 0, 0xFF, 0xFF, 0xFF, 0xFF,
+        ];
+        let set = [&set.explicit()[..], &pixels, &item(&[]), &item(packed)].concat();
+        file_of("1.2.840.10008.1.2.4.90", &set)
+    };
+    let boxes = |parts: &[Vec<u8>]| {
+        let first = b"\0\0\0\x0cjP  \r\n\x87\n".to_vec();
+        [first, parts.concat()].concat()
+    };
+    let stream = jpeg_2000(1_000_000, 1_000_000, 1_000_000);
+    let palette = jp2_box(b"jp2h", &jp2_box(b"pclr", &[0; 8]));
+    let is_long = [&1u32.to_be_bytes()[..], b"free", &u64::MAX.to_be_bytes()].concat();
+    for (packed, words) in [
+        // An earlier box says the size that the elements have.
+        (
+            boxes(&[
+                jp2_box(b"free", &jpeg_2000(8, 8, 8)),
+                jp2_box(b"jp2c", &stream),
+            ]),
+            "1000000×1000000",
+        ),
+        (stream, "1000000×1000000"),
+        (jpeg_2000(8, 8, 1), "cannot hold the 64 tiles"),
+        (jpeg_2000(8, 8, 0), "have no pixels"),
+        (
+            boxes(&[palette, jp2_box(b"jp2c", &jpeg_2000(8, 8, 8))]),
+            "palette",
+        ),
+        (boxes(&[jp2_box(b"free", &[])]), "no codestream"),
+        (boxes(&[is_long]), "cut off"),
+        (b"something".to_vec(), "does not begin with its size"),
+    ] {
+        let said = message(&[("a.dcm", &file(&packed))]);
+        assert!(said.contains(words), "{said}");
+    }
+}

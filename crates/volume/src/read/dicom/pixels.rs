@@ -6,6 +6,7 @@ use super::tags::{self, Tag, field_name};
 use super::{jpeg_lossless, jpeg_ls, rle};
 use crate::error::{Error, ErrorKind, Remedy};
 use crate::read::Bytes;
+use crate::read::block::zeroed;
 use crate::{Sample, SampleType};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -355,7 +356,7 @@ impl<'a> Source<'a> {
             Packing::Jpeg => guarded("JPEG", || self.jpeg(&packed, samples))?,
             Packing::Jpeg2000 => guarded("JPEG 2000", || self.jpeg_2000(&packed, samples))?,
             Packing::JpegLs => {
-                let mut decoded = vec![0; samples.len()];
+                let mut decoded = zeroed(samples.len())?;
                 jpeg_ls::decode(&packed, self.layout.columns, self.layout.rows, &mut decoded)
                     .map_err(|why| compression("JPEG-LS", why))?;
                 self.take(decoded.iter().map(|v| i64::from(*v)), samples);
@@ -389,7 +390,7 @@ impl<'a> Source<'a> {
         let parts = self.fragments.get(frame).map_or(&[][..], Vec::as_slice);
         let length = parts.iter().map(|part| part.1).sum::<u64>();
         // The fragments were found inside of the file, so this much is there.
-        let mut packed = vec![0; length as usize];
+        let mut packed = zeroed(length as usize)?;
         let mut rest = &mut packed[..];
         for (offset, length) in parts {
             let (part, after) = rest.split_at_mut(*length as usize);
@@ -411,7 +412,7 @@ impl<'a> Source<'a> {
             .into());
         }
         if frame.is_lossless {
-            let mut decoded = vec![0; samples.len()];
+            let mut decoded = zeroed(samples.len())?;
             let (columns, rows) = (self.layout.columns, self.layout.rows);
             jpeg_lossless::decode(packed, columns, rows, 1, &mut decoded)
                 .map_err(|why| compression("lossless JPEG", why))?;
@@ -446,12 +447,14 @@ impl<'a> Source<'a> {
 
     fn jpeg_2000<T: Stored>(&self, packed: &[u8], samples: &mut [T]) -> Result<(), Error> {
         let failed = |error: jpeg2k::error::Error| compression("JPEG 2000", error.to_string());
+        // What is checked is what is decoded: the decoder gets no box that could say another size.
+        let stream = jpeg_2000_stream(packed).map_err(|why| compression("JPEG 2000", why))?;
         let (columns, rows, components) =
-            jpeg_2000_size(packed).map_err(|why| compression("JPEG 2000", why))?;
+            jpeg_2000_size(stream).map_err(|why| compression("JPEG 2000", why))?;
         self.check_frame("JPEG 2000", columns, rows, components)?;
         // Strict: else a cut stream decodes to a blurred image without a word.
         let parameters = jpeg2k::DecodeParameters::new().strict(true);
-        let image = jpeg2k::Image::from_bytes_with(packed, parameters).map_err(failed)?;
+        let image = jpeg2k::Image::from_bytes_with(stream, parameters).map_err(failed)?;
         let [component] = image.components() else {
             return Err(compression("JPEG 2000", "it has not one component".into()));
         };
@@ -536,22 +539,73 @@ fn jpeg_frame(data: &[u8]) -> Result<JpegFrame, String> {
     }
 }
 
-/// Columns, rows and components of a JPEG 2000 codestream (its SIZ marker), which may lie in a JP2
-/// file against the standard.
-fn jpeg_2000_size(data: &[u8]) -> Result<(usize, usize, usize), String> {
-    // SOC and SIZ stand together.
-    let start = data
-        .windows(4)
-        .position(|bytes| bytes == [0xFF, 0x4F, 0xFF, 0x51])
-        .ok_or("it has no size marker")?;
+/// The codestream of a JPEG 2000 frame, which may lie in a JP2 file (ISO 15444-1, annex I) against the standard: boxes
+/// of a length, four letters and, where the length is 1, a longer one.
+fn jpeg_2000_stream(data: &[u8]) -> Result<&[u8], String> {
+    const FIRST_BOX: &[u8] = b"\0\0\0\x0cjP  ";
+    if !data.starts_with(FIRST_BOX) {
+        return Ok(data);
+    }
+    let mut rest = data;
+    loop {
+        let (head, _) = rest
+            .split_first_chunk::<8>()
+            .ok_or("its boxes hold no codestream")?;
+        let [a, b, c, d, kind @ ..] = *head;
+        let (length, head_bytes) = match u32::from_be_bytes([a, b, c, d]) {
+            0 => (rest.len() as u64, 8),
+            1 => {
+                let long = rest.get(8..).and_then(|bytes| bytes.first_chunk());
+                let long = long.ok_or("a box of it is cut off")?;
+                (u64::from_be_bytes(*long), 16)
+            }
+            length => (length.into(), 8),
+        };
+        let inside = usize::try_from(length).ok();
+        let inside = inside.and_then(|length| rest.get(head_bytes..length));
+        let inside = inside.ok_or("a box of it is cut off")?;
+        match &kind {
+            b"jp2c" => return Ok(inside),
+            b"jp2h" if inside.windows(4).any(|name| name == b"pclr") => {
+                return Err("it holds colors of a palette; only grey images make a volume".into());
+            }
+            _ => rest = &rest[length as usize..],
+        }
+    }
+}
+
+/// Columns, rows and components of a JPEG 2000 codestream, by its SIZ marker, which has to come first; of its tiles
+/// there may be as many as it has bytes for.
+fn jpeg_2000_size(stream: &[u8]) -> Result<(usize, usize, usize), String> {
+    /// Of a tile: the marker SOT with what belongs to it, and SOD.
+    const LEAST_TILE_BYTES: u64 = 14;
+    if !stream.starts_with(&[0xFF, 0x4F, 0xFF, 0x51]) {
+        return Err("it does not begin with its size (FF 4F FF 51)".into());
+    }
     let word = |i: usize| -> Result<u32, String> {
-        data.get(start + i..)
+        stream
+            .get(i..)
             .and_then(|bytes| bytes.first_chunk())
             .map(|bytes| u32::from_be_bytes(*bytes))
             .ok_or_else(|| "its size marker is cut off".to_owned())
     };
     let (right, bottom, left, top) = (word(8)?, word(12)?, word(16)?, word(20)?);
+    let (tile, tile_from) = ([word(24)?, word(28)?], [word(32)?, word(36)?]);
     let components = word(40)? >> 16;
+    let tiles = |to: u32, axis: usize| -> Result<u64, String> {
+        let covered = u64::from(to.saturating_sub(tile_from[axis]));
+        match tile[axis] {
+            0 => Err("its tiles have no pixels".into()),
+            edge => Ok(covered.div_ceil(edge.into())),
+        }
+    };
+    let tiles = tiles(right, 0)? * tiles(bottom, 1)?;
+    if tiles.saturating_mul(LEAST_TILE_BYTES) > stream.len() as u64 {
+        return Err(format!(
+            "its {} bytes cannot hold the {tiles} tiles that it says",
+            stream.len()
+        ));
+    }
     Ok((
         right.saturating_sub(left) as usize,
         bottom.saturating_sub(top) as usize,
@@ -621,7 +675,7 @@ fn fragments_of_frames(
                 .map(|b| u64::from_le_bytes([b[0], b[1], b[2], b[3], b[4], b[5], b[6], b[7]])),
         );
     } else if table_length == 4 * frames as u64 {
-        let mut table = vec![0; table_length as usize];
+        let mut table = zeroed(table_length as usize)?;
         bytes.read_at(table_offset, &mut table)?;
         starts.extend(
             table

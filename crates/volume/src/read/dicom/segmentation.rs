@@ -359,7 +359,7 @@ impl<'a> Frames<'a> {
         };
         match self.threshold {
             Some(least) => {
-                let mut stored = vec![0; self.frame_samples];
+                let mut stored = block::zeroed(self.frame_samples)?;
                 self.stored().read_at(self.offset + first, &mut stored)?;
                 let inside = slice
                     .iter_mut()
@@ -369,7 +369,7 @@ impl<'a> Frames<'a> {
             }
             None => {
                 let (start, shift) = (first / 8, (first % 8) as usize);
-                let mut stored = vec![0; (shift + self.frame_samples).div_ceil(8)];
+                let mut stored = block::zeroed((shift + self.frame_samples).div_ceil(8))?;
                 self.stored().read_at(self.offset + start, &mut stored)?;
                 for (i, label) in slice.iter_mut().enumerate() {
                     let bit = shift + i;

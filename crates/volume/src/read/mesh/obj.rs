@@ -46,7 +46,12 @@ pub(super) fn read(bytes: &[u8]) -> Result<Surface, Error> {
         let mut line = String::from_utf8_lossy(line);
         while let Some(shorter) = line.trim_end().strip_suffix('\\') {
             let Some((_, next)) = lines.next() else { break };
-            line = format!("{shorter} {}", String::from_utf8_lossy(next)).into();
+            // Appended, not copied: a file may consist of one such line.
+            let length = shorter.len();
+            let whole = line.to_mut();
+            whole.truncate(length);
+            whole.push(' ');
+            whole.push_str(&String::from_utf8_lossy(next));
         }
         reader.line(index + 1, line.trim())?;
     }
