@@ -469,11 +469,11 @@ pub struct PictureFlags {
     pub stats: Option<StatsFormat>,
 
     /// Tell nothing in the picture that may say whose data it shows: of files only the names, no series
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     pub anonymous: bool,
 
     /// Write the picture without the scene that made it
-    #[arg(long, conflicts_with = "anonymous")]
+    #[arg(long, conflicts_with = "anonymous", hide_short_help = true)]
     pub no_recipe: bool,
 
     #[command(flatten)]
@@ -486,7 +486,7 @@ pub struct PictureFlags {
 pub struct TrustFlags {
     /// Let the scene read nothing outside of this folder; the scene of a picture reads only beside the picture, if not
     /// said
-    #[arg(long, value_name = "FOLDER")]
+    #[arg(long, value_name = "FOLDER", hide_short_help = true)]
     pub confine: Option<PathBuf>,
 }
 
@@ -495,16 +495,16 @@ pub struct TrustFlags {
 #[command(next_help_heading = "Limits")]
 pub struct LimitFlags {
     /// Refuse what needs more memory, such as 500M or 8G; without, more than the system has left
-    #[arg(long, value_name = "BYTES", conflicts_with = "force")]
+    #[arg(long, value_name = "BYTES", conflicts_with = "force", hide_short_help = true)]
     pub max_memory: Option<String>,
 
     /// Refuse what would take longer than so many seconds, and end after them; without, refuse what would take more
     /// than half an hour
-    #[arg(long, value_name = "SECONDS", conflicts_with = "force")]
+    #[arg(long, value_name = "SECONDS", conflicts_with = "force", hide_short_help = true)]
     pub max_time: Option<f64>,
 
     /// Draw it, however much it takes
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     pub force: bool,
 }
 

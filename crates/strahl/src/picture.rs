@@ -272,7 +272,7 @@ mod tests {
             let written = write_picture(&sample(), Some(depth), &PLAIN, encoding, None, out);
             written.unwrap_err().to_string()
         };
-        assert!(error(&depth_mm, Encoding::Png8).contains("has to end in .exr"));
+        assert!(error(&depth_mm, Encoding::Png8).contains("a name that ends in .exr"));
         let found = error(&depth_mm[1..], Encoding::ExrFloat);
         assert!(
             found.contains("3 numbers") && found.contains("4 pixels"),

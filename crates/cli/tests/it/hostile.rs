@@ -193,7 +193,7 @@ fn a_run_ends_at_its_limit_wherever_it_is() {
         "-o",
         "out.png",
         "--size",
-        "16x16",
+        "400x400",
         "--max-time",
         "1.5",
     ];
