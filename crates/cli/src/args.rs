@@ -275,7 +275,7 @@ const GLIMPSE: (f64, Color) = (0.07, Color([0.62, 0.66, 0.7]));
 fn segments_over(flags: &DrawFlags, scene: &mut Scene) {
     if let Some(labels) = &flags.labels {
         let path = labels.to_string_lossy().into_owned();
-        scene.labels = Some(LabelSource { path });
+        scene.labels = Some(LabelSource { path, table: None });
     }
     let any = || SegmentChoice::Name("*".to_owned());
     let of = |texts: &[String]| {

@@ -1,8 +1,10 @@
 //! All commands and flags. [`crate::args`] checks their values.
 
+mod labels;
 mod read;
 mod sim;
 
+pub use labels::LabelFlags;
 pub use read::ReadFlags;
 pub use sim::{
     SimCommand, SimRunFlags, SimScriptFlags, SimSpecFlags, SimStatsFormat, SimStudyFlags,
@@ -495,12 +497,22 @@ pub struct TrustFlags {
 #[command(next_help_heading = "Limits")]
 pub struct LimitFlags {
     /// Refuse what needs more memory, such as 500M or 8G; without, more than the system has left
-    #[arg(long, value_name = "BYTES", conflicts_with = "force", hide_short_help = true)]
+    #[arg(
+        long,
+        value_name = "BYTES",
+        conflicts_with = "force",
+        hide_short_help = true
+    )]
     pub max_memory: Option<String>,
 
     /// Refuse what would take longer than so many seconds, and end after them; without, refuse what would take more
     /// than half an hour
-    #[arg(long, value_name = "SECONDS", conflicts_with = "force", hide_short_help = true)]
+    #[arg(
+        long,
+        value_name = "SECONDS",
+        conflicts_with = "force",
+        hide_short_help = true
+    )]
     pub max_time: Option<f64>,
 
     /// Draw it, however much it takes
@@ -542,12 +554,16 @@ pub struct InfoFlags {
     pub anonymous: bool,
 
     #[command(flatten)]
+    pub labels: LabelFlags,
+
+    #[command(flatten)]
     pub read: ReadFlags,
 }
 
 const INFO_EXAMPLES: &str = "Examples:
   strahl info head.nii.gz
   strahl info dicom-folder/ --series 2
+  strahl info organs.nii.gz --label-table organs.csv
   strahl info bonsai_256x256x256_uint8.raw --json
   strahl info --adapters";
 
@@ -570,6 +586,9 @@ pub struct ConvertFlags {
     /// Leave out names, descriptions and dates
     #[arg(long)]
     pub anonymous: bool,
+
+    #[command(flatten)]
+    pub labels: LabelFlags,
 
     #[command(flatten)]
     pub read: ReadFlags,

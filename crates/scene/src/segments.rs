@@ -17,8 +17,11 @@ use strahl_volume::Label;
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct LabelSource {
-    /// File, relative to the folder of the scene file.
+    /// File, relative to the folder of the scene file; or a folder of masks.
     pub path: String,
+    /// File with names and colors of the ids; default: those in `path` or in a table beside it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub table: Option<String>,
 }
 
 /// How the runs of segments become a pixel. A run is what the technique of a segment makes of its samples in a row.

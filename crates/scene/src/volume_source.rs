@@ -76,6 +76,7 @@ impl VolumeSource {
                 header_bytes: self.header_bytes.unwrap_or(0),
             },
             spacing_mm: self.spacing_mm,
+            ..ReadOptions::default()
         })
     }
 

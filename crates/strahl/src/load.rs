@@ -1,17 +1,18 @@
 //! Reads volumes from paths.
 
 use crate::Error;
-use crate::confinement::Confinement;
+use crate::confinement::{Confinement, open_regular};
 use crate::folder::{Folder, file_name};
 use std::collections::BTreeMap;
+use std::fs;
+use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use std::time::SystemTime;
-use std::{fs, io};
-use strahl_volume::Control;
 use strahl_volume::read::{
-    Bytes, Files, LoadedVolume, ReadOptions, read_file_under, read_folder_under,
+    Bytes, Files, LoadedVolume, ReadOptions, read_file_under, read_folder_under, read_label_table,
 };
+use strahl_volume::{Control, Label};
 
 /// Reads the volume at `path`: a file, a header with its siblings, or a folder that holds one DICOM
 /// series or numbered slices.
@@ -20,6 +21,26 @@ use strahl_volume::read::{
 /// If `path` does not exist, or any problem with the file; the message names file and field.
 pub fn load(path: impl AsRef<Path>, options: &ReadOptions) -> Result<LoadedVolume, Error> {
     load_under(&[path.as_ref().to_owned()], options, &Control::NONE)
+}
+
+/// Reads names and colors of labels from a file in one of the formats of [`read_label_table`].
+///
+/// # Errors
+/// If there is no such file, it is larger than 16 MiB, or whatever is wrong with it, by line or key.
+pub fn load_label_table(path: impl AsRef<Path>) -> Result<Vec<Label>, Error> {
+    const MOST_BYTES: u64 = 1 << 24;
+    let path = path.as_ref();
+    let fail = |error| Error::path(path, error);
+    let mut bytes = Vec::new();
+    let mut file = open_regular(path).map_err(fail)?.take(MOST_BYTES + 1);
+    file.read_to_end(&mut bytes).map_err(fail)?;
+    if bytes.len() as u64 > MOST_BYTES {
+        return Err(Error::not_usable(
+            path,
+            "no label table: larger than 16 MiB",
+        ));
+    }
+    Ok(read_label_table(&path.display().to_string(), &bytes)?)
 }
 
 /// Reads one volume from `paths`: as [`load`] for a single path, otherwise the slices of one

@@ -166,7 +166,11 @@ impl SceneData {
         path: Option<String>,
     ) -> Result<(), Error> {
         if let Some(path) = path {
-            let read = self.read_labels(reading, &path)?;
+            let table = scene
+                .labels
+                .as_ref()
+                .and_then(|labels| labels.table.as_deref());
+            let read = self.read_labels(reading, &path, table)?;
             self.labels = Some(read.value.0.clone());
             self.held.push(read);
         }
@@ -264,7 +268,7 @@ impl SceneData {
             self.held.push(read);
             return Ok(volume);
         }
-        let labels = self.read_labels(reading, &clip.path)?;
+        let labels = self.read_labels(reading, &clip.path, None)?;
         let labels = &labels.value.0;
         let ids = clip.label_ids(place, labels)?;
         Ok(self.hold(session.mask(&clip.path, &ids, labels, control)?))
@@ -278,8 +282,9 @@ impl SceneData {
             control,
         }: Reading,
         path: &str,
+        table: Option<&str>,
     ) -> Result<Arc<ReadLabels>, Error> {
-        let read = session.labels(path, within, control)?;
+        let read = session.labels(path, table, within, control)?;
         let notes = read.value.1.iter().map(|note| format!("{path}: {note}"));
         self.notes.extend(notes);
         Ok(read)

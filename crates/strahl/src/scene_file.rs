@@ -272,7 +272,10 @@ fn paths_of(scene: &mut Scene) -> Vec<&mut String> {
         );
         paths.extend(object.mesh.as_mut());
     }
-    paths.extend(scene.labels.as_mut().map(|labels| &mut labels.path));
+    if let Some(labels) = &mut scene.labels {
+        paths.push(&mut labels.path);
+        paths.extend(&mut labels.table);
+    }
     paths.extend(scene.clips.iter_mut().flatten().filter_map(Clip::mask_path));
     let functions = scene.functions.iter_mut().flat_map(|map| map.values_mut());
     paths.extend(functions.filter(|f| f.is_file()).map(|f| &mut f.module));

@@ -4,7 +4,7 @@ use crate::Error;
 use crate::confinement::Confinement;
 #[cfg(feature = "gpu")]
 use crate::devices::Devices;
-use crate::load::{FileState, load_seen};
+use crate::load::{FileState, load_label_table, load_seen};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 #[cfg(feature = "graph")]
@@ -159,17 +159,34 @@ impl Session {
         })
     }
 
-    /// The label volume in the file `path`, with what reading it had to say.
+    /// The label volume in the file or folder `path`, with the notes of its reader. Names and colors
+    /// are those of the file `table` if there is one.
     pub(crate) fn labels(
         &self,
         path: &str,
+        table: Option<&str>,
         within: Option<&Confinement>,
         control: &Control,
     ) -> Result<Arc<ReadLabels>, Error> {
+        let table = table.map(PathBuf::from);
+        if let (Some(within), Some(table)) = (within, &table) {
+            within.check(table)?;
+        }
         let paths = [PathBuf::from(path)];
-        let key = LabelsKey(States::of(&paths)?);
+        let key = LabelsKey {
+            files: States::of(&paths)?,
+            table: table
+                .as_ref()
+                .map(|table| States::of(std::slice::from_ref(table)))
+                .transpose()?,
+        };
         self.found(&key, control, || {
-            let (loaded, seen) = load_seen(&paths, &ReadOptions::default(), within, control)?;
+            let options = ReadOptions {
+                as_labels: true,
+                label_table: table.map(load_label_table).transpose()?,
+                ..ReadOptions::default()
+            };
+            let (loaded, seen) = load_seen(&paths, &options, within, control)?;
             let labels = LabelVolume::from_volume(loaded.volume, loaded.labels.unwrap_or_default());
             let labels = labels.map_err(|error| error.in_file(path))?;
             Ok(Read {
@@ -303,7 +320,10 @@ impl Key for VolumeKey {
 }
 
 #[derive(Clone, PartialEq)]
-struct LabelsKey(States);
+struct LabelsKey {
+    files: States,
+    table: Option<States>,
+}
 
 impl Key for LabelsKey {
     type Value = ReadLabels;

@@ -16,6 +16,7 @@ mod input;
 mod jpeg;
 mod label_tables;
 mod loaded;
+mod masks;
 pub mod mesh;
 mod metaimage;
 mod mgh;
@@ -48,6 +49,7 @@ use watched::{Watched, uncancelled};
 
 pub(crate) use input::Input;
 pub use input::{Bytes, Files, MemoryFiles};
+pub use label_tables::read_label_table;
 pub use loaded::LoadedVolume;
 pub use options::{RawLayout, ReadOptions};
 
@@ -55,9 +57,28 @@ pub use options::{RawLayout, ReadOptions};
 /// The kind of file is found from its bytes, and from its name only where the bytes say nothing.
 /// A whole file packed with gzip or bzip2 is unpacked on the way.
 ///
+/// Labels get names and colors from a table beside the file, if there is one: `organs.json` beside
+/// `organs.nii.gz`, for example. [`read_label_table`] lists the formats.
+///
 /// # Errors
 /// Whatever is wrong with the file, with its name in front.
 pub fn read_file(
+    name: &str,
+    files: &dyn Files,
+    options: &ReadOptions,
+) -> Result<LoadedVolume, Error> {
+    let mut loaded = read_volume(name, files, options)?;
+    if options.label_table.is_some() {
+        loaded.labels.clone_from(&options.label_table);
+    } else if options.as_labels || loaded.labels.is_some() {
+        let added = label_tables::add_beside(&mut loaded, name, files);
+        added.map_err(|error| error.in_file(name))?;
+    }
+    Ok(loaded)
+}
+
+/// The volume of a file, with the labels that it names itself.
+fn read_volume(
     name: &str,
     files: &dyn Files,
     options: &ReadOptions,
@@ -74,6 +95,7 @@ pub fn read_file(
 
 /// Reads the one volume that all of `files` make together: a DICOM series, or numbered slices. If none of them is
 /// one, a DICOM series is looked for in the folders below, as archives and the CDs of patients have it.
+/// Without one, volumes of zeros and one other number are masks: labels with the names of the files.
 /// `name` is what the folder is called in messages.
 ///
 /// # Errors
@@ -83,7 +105,13 @@ pub fn read_folder(
     files: &dyn Files,
     options: &ReadOptions,
 ) -> Result<LoadedVolume, Error> {
-    folder(name, files, options).map_err(|error| error.in_file(name))
+    let mut loaded = folder(name, files, options).map_err(|error| error.in_file(name))?;
+    if options.label_table.is_some() {
+        loaded.labels.clone_from(&options.label_table);
+    } else if options.as_labels {
+        loaded.labels.get_or_insert_default();
+    }
+    Ok(loaded)
 }
 
 /// As [`read_file`] under `control`, which is told the share of the bytes that has been read. The values of the
@@ -126,7 +154,7 @@ fn read_input(input: &Input, options: &ReadOptions) -> Result<LoadedVolume, Erro
     match kind {
         Some(Kind::Packed(encoding)) => {
             if let Some(header) = header_of_samples(input) {
-                return read_file(&header, input.files, options);
+                return read_volume(&header, input.files, options);
             }
             // NIfTI unpacks its own samples in one go, because it is usually packed.
             let start = block::head(input.bytes, 0, encoding, sniff::HEAD_BYTES)?;
@@ -225,7 +253,7 @@ fn read_unknown(input: &Input, options: &ReadOptions) -> Result<LoadedVolume, Er
         || name.ends_with(".bin")
         || raw::layout_of_name(input.name).is_some();
     if let Some(header) = header_of_samples(input) {
-        return read_file(&header, input.files, options);
+        return read_volume(&header, input.files, options);
     }
     match sniff::kind(input.bytes)? {
         Some(Kind::MaybeAnalyze) if !is_raw => read_kind(Kind::Nifti, input, options),
@@ -264,8 +292,8 @@ fn folder(name: &str, files: &dyn Files, options: &ReadOptions) -> Result<Loaded
             Some(Kind::Dicom | Kind::MaybeDicom) => has_dicom = true,
             Some(Kind::Tiff | Kind::Png | Kind::Bmp | Kind::Jpeg) => pictures.push(file),
             kind => {
-                if kind.is_some_and(|kind| kind.is_volume()) {
-                    volumes.push(file.clone());
+                if let Some(kind) = kind.filter(Kind::is_volume) {
+                    volumes.push((file.clone(), kind));
                 }
                 others.push(file);
             }
@@ -293,11 +321,18 @@ fn folder(name: &str, files: &dyn Files, options: &ReadOptions) -> Result<Loaded
     if !pictures.is_empty() {
         options.check("picture", &[Open::Time, Open::Spacing, Open::Component])?;
         let mut loaded = match pictures.as_slice() {
-            [only] => read_file(only, files, options)?,
+            [only] => read_volume(only, files, options)?,
             _ => slices::read_pictures(name, files, pictures, options)?,
         };
         loaded.notes.extend(slices::note_of_others(&others));
         return Ok(loaded);
+    }
+    let masks = masks::among(&volumes);
+    let volumes: Vec<String> = volumes.into_iter().map(|(name, _)| name).collect();
+    if !masks.is_empty() {
+        options.check("mask", &[])?;
+        let read = |mask: &str| read_volume(mask, files, &ReadOptions::default());
+        return masks::read(name, &others, &masks, &read, &volumes_in_folder(&volumes));
     }
     let why = match (volumes.is_empty(), others.is_empty()) {
         (false, _) => volumes_in_folder(&volumes),
@@ -316,7 +351,7 @@ fn volumes_in_folder(volumes: &[String]) -> String {
     let names = volumes[..volumes.len().min(SHOWN)].join(", ");
     let more = if volumes.len() > SHOWN { ", …" } else { "" };
     format!(
-        "the folder has {}: {names}{more}; name the one to read (only DICOM series and sequences of pictures are read as folders)",
+        "the folder has {}: {names}{more}; name the one to read (only DICOM series, sequences of pictures, and masks are read as folders)",
         numbered(volumes.len(), "volume file")
     )
 }
@@ -332,10 +367,11 @@ fn numbered(count: usize, noun: &str) -> String {
 /// The kind of a file, or of what is packed in it.
 fn content(bytes: &dyn Bytes) -> Result<Option<Kind>, Error> {
     match sniff::kind(bytes)? {
-        Some(Kind::Packed(encoding @ block::Encoding::Gzip)) => {
+        Some(Kind::Packed(encoding)) => {
             let start = block::head(bytes, 0, encoding, sniff::HEAD_BYTES)?;
             let inside = sniff::kind(&start)?;
-            let is_known = |kind: &Kind| *kind == Kind::Dicom || kind.is_volume();
+            let is_dicom = |kind| kind == Kind::Dicom && encoding == block::Encoding::Gzip;
+            let is_known = |kind: &Kind| is_dicom(*kind) || kind.is_volume();
             Ok(inside.filter(is_known).or(Some(Kind::Packed(encoding))))
         }
         kind => Ok(kind),

@@ -1,6 +1,6 @@
 //! `strahl convert`: a volume in another format.
 
-use super::load::load;
+use super::load::load_labels;
 use crate::flags::ConvertFlags;
 use crate::print;
 use crate::progress::Progress;
@@ -20,7 +20,7 @@ pub fn run(flags: &ConvertFlags, quiet: bool) -> Result<()> {
     // Both before the long work.
     let format = Format::of_name(name)?;
     drop(Output::create(path)?);
-    let mut loaded = load(&flags.inputs, &flags.read, quiet)?;
+    let mut loaded = load_labels(&flags.inputs, &flags.read, &flags.labels, quiet)?;
     if flags.anonymous {
         loaded.volume = loaded.volume.anonymous();
     }

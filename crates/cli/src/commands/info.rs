@@ -1,13 +1,16 @@
 //! `strahl info`: what is in a volume file.
 
-use super::load::load;
+mod label_list;
+
+use super::load::load_labels;
 use crate::flags::InfoFlags;
 use crate::print::{self, number};
 use anyhow::Result;
+use label_list::LabelList;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use strahl::volume::read::LoadedVolume;
-use strahl::volume::{Grid, Modality, Statistics, Volume};
+use strahl::volume::{Grid, Modality, Statistics, VolumeHeader};
 
 /// Shares of the voxels for which quantiles are printed.
 const QUANTILES: [f64; 5] = [0.01, 0.25, 0.5, 0.75, 0.99];
@@ -21,15 +24,44 @@ pub fn run(flags: &InfoFlags, quiet: bool) -> Result<()> {
         [first, ..] => format!("{} and {} more", first.display(), flags.volume.len() - 1),
         [] => String::new(),
     };
-    let mut loaded = load(&flags.volume, &flags.read, quiet)?;
+    let mut loaded = load_labels(&flags.volume, &flags.read, &flags.labels, quiet)?;
     if flags.anonymous {
         loaded.volume = loaded.volume.anonymous();
     }
+    let content = Content::of(loaded);
     if flags.json {
-        let json = serde_json::to_string_pretty(&as_json(&name, &loaded))?;
+        let json = serde_json::to_string_pretty(&as_json(&name, &content))?;
         print::out(&(json + "\n"))
     } else {
-        print::out(&print::harmless(&as_text(&name, &loaded)))
+        print::out(&print::harmless(&as_text(&name, &content)))
+    }
+}
+
+/// What is printed of a volume.
+struct Content {
+    header: VolumeHeader,
+    /// If the numbers are object ids.
+    labels: Option<LabelList>,
+    notes: Vec<String>,
+}
+
+impl Content {
+    fn of(loaded: LoadedVolume) -> Content {
+        let header = loaded.volume.header();
+        let mut notes = loaded.notes;
+        let list = |labels| LabelList::of(loaded.volume, labels);
+        let labels = match loaded.labels.map(list).transpose() {
+            Ok(labels) => labels,
+            Err(error) => {
+                notes.push(format!("the numbers are no object ids: {error}"));
+                None
+            }
+        };
+        Content {
+            header,
+            labels,
+            notes,
+        }
     }
 }
 
@@ -54,9 +86,14 @@ fn adapters(json: bool) -> Result<()> {
     )
 }
 
-fn as_text(name: &str, loaded: &LoadedVolume) -> String {
-    let volume = &loaded.volume;
-    let (grid, metadata, statistics) = (volume.grid(), volume.metadata(), volume.statistics());
+fn as_text(name: &str, content: &Content) -> String {
+    let volume = &content.header;
+    let VolumeHeader {
+        grid,
+        metadata,
+        statistics,
+        ..
+    } = volume;
     let mut rows: Vec<(&str, String)> = Vec::new();
     let mut row = |key, value: String| rows.push((key, value));
 
@@ -65,18 +102,18 @@ fn as_text(name: &str, loaded: &LoadedVolume) -> String {
         row("name", metadata.name.clone());
     }
     let dims = grid.dims().map(|n| n.to_string()).join(" × ");
-    let stored = volume.samples().as_bytes().len() as u64;
+    let stored = (grid.voxel_count() * volume.sample_type.size()) as u64;
     let voxels = number(grid.voxel_count() as f64);
     row(
         "dimensions",
         format!("{dims} ({voxels} voxels, {})", print::bytes(stored)),
     );
-    let rescale = volume.rescale();
+    let rescale = volume.rescale;
     let meaning = match (rescale.slope, rescale.intercept) {
         (1.0, 0.0) => String::new(),
         (slope, intercept) => format!(", value = {slope} · stored + {intercept}"),
     };
-    row("type", format!("{}{meaning}", volume.sample_type()));
+    row("type", format!("{}{meaning}", volume.sample_type));
     let unit = if metadata.has_length_unit {
         "mm"
     } else {
@@ -107,13 +144,15 @@ fn as_text(name: &str, loaded: &LoadedVolume) -> String {
         .as_ref()
         .map(|u| format!(" {u}"))
         .unwrap_or_default();
-    let [lo, hi] = statistics.range.map(number);
-    row("values", format!("{lo} to {hi}{unit}"));
-    if statistics.not_finite > 0 {
-        row("not finite", number(statistics.not_finite as f64));
-    }
     // Label ids have no order: quantiles of them mean nothing.
-    if loaded.labels.is_none() {
+    if let Some(labels) = &content.labels {
+        row("values", labels.range());
+    } else {
+        let [lo, hi] = statistics.range.map(number);
+        row("values", format!("{lo} to {hi}{unit}"));
+        if statistics.not_finite > 0 {
+            row("not finite", number(statistics.not_finite as f64));
+        }
         let rows = quantiles(volume)
             .map(|[share, value]| format!("{}%: {}", share * 100.0, number(value)));
         row("quantiles", rows.join("   "));
@@ -123,36 +162,29 @@ fn as_text(name: &str, loaded: &LoadedVolume) -> String {
     for (key, value) in rows {
         let _ = writeln!(text, "  {key:<12} {value}");
     }
-    text.push_str(&histogram(statistics));
+    if content.labels.is_none() {
+        text.push_str(&histogram(statistics));
+    }
     if !metadata.entries.is_empty() {
         text.push_str("\n  from the header:\n");
         for (key, value) in &metadata.entries {
             let _ = writeln!(text, "    {key}: {value}");
         }
     }
-    if let Some(labels) = &loaded.labels {
-        let _ = match labels.len() {
-            0 => writeln!(
-                text,
-                "\n  the values are label ids; the file has no names for them"
-            ),
-            count => writeln!(text, "\n  {count} labels:"),
-        };
-        for label in labels {
-            let _ = writeln!(text, "    {:>5}  {}", label.id, label.name);
-        }
+    if let Some(labels) = &content.labels {
+        text.push('\n');
+        text.push_str(&labels.as_text());
     }
-    for note in &loaded.notes {
+    for note in &content.notes {
         let _ = writeln!(text, "\n  note: {note}");
     }
     text
 }
 
 /// Shares and the values that these shares of the voxels lie below.
-fn quantiles(volume: &Volume) -> [[f64; 2]; 5] {
-    let statistics = volume.statistics();
-    let slope = volume.rescale().slope;
-    QUANTILES.map(|share| match volume.sample_type().is_integer() {
+fn quantiles(volume: &VolumeHeader) -> [[f64; 2]; 5] {
+    let (statistics, slope) = (&volume.statistics, volume.rescale.slope);
+    QUANTILES.map(|share| match volume.sample_type.is_integer() {
         true => [share, statistics.whole_quantile(share, slope)],
         false => [share, statistics.quantile(share)],
     })
@@ -237,28 +269,29 @@ fn modality_name(modality: Modality) -> &'static str {
     }
 }
 
-fn as_json(name: &str, loaded: &LoadedVolume) -> Value {
-    let volume = &loaded.volume;
-    let (grid, metadata, statistics) = (volume.grid(), volume.metadata(), volume.statistics());
+fn as_json(name: &str, content: &Content) -> Value {
+    let volume = &content.header;
+    let VolumeHeader {
+        grid,
+        metadata,
+        statistics,
+        ..
+    } = volume;
     let (lo, hi) = grid.bounds_mm();
-    let quantiles = loaded.labels.is_none().then(|| quantiles(volume));
+    let are_values = content.labels.is_none();
+    let quantiles = are_values.then(|| quantiles(volume));
     let entries = metadata
         .entries
         .iter()
         .map(|(key, value)| json!([key, value]));
-    let labels = loaded.labels.as_ref().map(|labels| {
-        let label =
-            |l: &strahl::volume::Label| json!({"id": l.id, "name": l.name, "color": l.color});
-        labels.iter().map(label).collect::<Vec<_>>()
-    });
     json!({
         "file": name,
         "format": metadata.format,
         "name": metadata.name,
         "dims": grid.dims(),
-        "type": volume.sample_type().name(),
-        "slope": volume.rescale().slope,
-        "intercept": volume.rescale().intercept,
+        "type": volume.sample_type.name(),
+        "slope": volume.rescale.slope,
+        "intercept": volume.rescale.intercept,
         "spacing_mm": grid.spacing_mm().to_array(),
         "has_length_unit": metadata.has_length_unit,
         "orientation": grid.orientation(),
@@ -271,9 +304,9 @@ fn as_json(name: &str, loaded: &LoadedVolume) -> Value {
         "range": statistics.range,
         "quantiles": quantiles,
         "not_finite": statistics.not_finite,
-        "histogram": statistics.histogram,
+        "histogram": are_values.then_some(&statistics.histogram),
         "metadata": entries.collect::<Vec<_>>(),
-        "labels": labels,
-        "notes": loaded.notes,
+        "labels": content.labels.as_ref().map(LabelList::as_json),
+        "notes": content.notes,
     })
 }

@@ -124,30 +124,112 @@ fn manual_pages_are_written_for_every_command() {
     assert!(page("strahl-scene-show.1").contains(".SH SYNOPSIS"));
 }
 
-/// Quantiles of whole numbers are whole, and label ids have none.
+/// Quantiles of whole numbers are whole.
 #[test]
-fn info_knows_whole_numbers_and_labels() {
+fn info_knows_whole_numbers() {
     let folder = tempfile::tempdir().unwrap();
-    let segment =
-        "Segment0_ID:=a\nSegment0_Name:=liver\nSegment0_LabelValue:=3\nSegment0_Layer:=0\n";
-    let nrrd = |keys: &str| {
-        format!(
-            "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 5 2 1\nencoding: ascii\n{keys}\n0 0 0 0 0 3 3 3 3 7"
-        )
-    };
-    fs::write(folder.path().join("plain.nrrd"), nrrd("")).unwrap();
-    fs::write(folder.path().join("labels.seg.nrrd"), nrrd(segment)).unwrap();
+    let text =
+        "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 5 2 1\nencoding: ascii\n\n0 0 0 0 0 3 3 3 3 7";
+    fs::write(folder.path().join("plain.nrrd"), text).unwrap();
     let plain = run_well(folder.path(), &["info", "plain.nrrd"]);
     let expected = "1%: 0   25%: 0   50%: 0   75%: 3   99%: 7";
     assert!(plain.contains(expected), "{plain}");
-    let labels = run_well(folder.path(), &["info", "labels.seg.nrrd"]);
-    assert!(!labels.contains("quantiles"), "{labels}");
-    assert!(labels.contains("3  liver"), "{labels}");
-    let labels = json(&run_well(
+}
+
+/// A label volume of 4 voxels of 0.5 × 2 × 3 mm: ids 0, 7, 7, 300.
+fn folder_with_labels() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let header = "NRRD0004\ntype: ushort\ndimension: 3\nsizes: 4 1 1\nencoding: ascii\nspace: RAS\n\
+        space directions: (0.5,0,0) (0,2,0) (0,0,3)\n";
+    let keys = "Segment0_Name:=liver\nSegment0_LabelValue:=7\nSegment0_Color:=1 0.5 0\n\
+        Segment1_Name:=spleen\nSegment1_LabelValue:=9\n";
+    for (name, keys) in [("organs.seg.nrrd", keys), ("plain.nrrd", "")] {
+        let text = format!("{header}{keys}\n0 7 7 300\n");
+        fs::write(folder.path().join(name), text).unwrap();
+    }
+    let table = "id,name,color\n300,heart,#0000ff\n";
+    fs::write(folder.path().join("heart.csv"), table).unwrap();
+    folder
+}
+
+#[test]
+fn info_lists_labels_with_their_sizes() {
+    let folder = folder_with_labels();
+    let info = |args: &[&str]| run_well(folder.path(), &[&["info"], args].concat());
+    let text = info(&["organs.seg.nrrd"]);
+    // 3 mm³ a voxel.
+    let expected = "
+    label        voxels          ml  color    name
+        0             1       0.003
+        7             2       0.006  #ff8000  liver
+        9             0           0           spleen
+      300             1       0.003
+";
+    assert!(text.ends_with(expected), "{text}");
+    assert!(
+        text.contains("values       3 ids from 0 to 300\n"),
+        "{text}"
+    );
+    assert!(
+        !text.contains("quantiles") && !text.contains("histogram"),
+        "{text}"
+    );
+    let json = json(&info(&["organs.seg.nrrd", "--json"]));
+    assert_eq!(json["quantiles"], Value::Null);
+    assert_eq!(json["labels"].as_array().unwrap().len(), 4);
+    let liver = &json["labels"][1];
+    assert_eq!((&liver["id"], &liver["name"]), (&7.into(), &"liver".into()));
+    assert_eq!(
+        (&liver["color"], &liver["voxels"]),
+        (&"#ff8000".into(), &2.into())
+    );
+    assert!((liver["ml"].as_f64().unwrap() - 0.006).abs() < 1e-12);
+
+    // The file itself does not say that its numbers are ids.
+    assert!(info(&["plain.nrrd"]).contains("quantiles"));
+    assert!(info(&["plain.nrrd", "--as-labels"]).contains("3 ids from 0 to 300"));
+    let text = info(&["plain.nrrd", "--label-table", "heart.csv"]);
+    assert!(text.contains("0.003  #0000ff  heart\n"), "{text}");
+    fs::rename(
+        folder.path().join("heart.csv"),
+        folder.path().join("plain.csv"),
+    )
+    .unwrap();
+    let text = info(&["plain.nrrd", "--as-labels"]);
+    assert!(text.contains("#0000ff  heart\n"), "{text}");
+    assert!(
+        text.contains("note: names and colors of labels are those of plain.csv"),
+        "{text}"
+    );
+    let run = run(
         folder.path(),
-        &["info", "labels.seg.nrrd", "--json"],
-    ));
-    assert_eq!(labels["quantiles"], Value::Null);
+        &["info", "plain.nrrd", "--label-table", "plain.nrrd"],
+    );
+    assert_eq!(run.code, Some(1));
+    assert!(
+        run.err
+            .contains("plain.nrrd: the label table is of no known format"),
+        "{}",
+        run.err
+    );
+}
+
+#[test]
+fn info_of_real_labels_counts_what_numpy_counts() {
+    let Some(path) = shared_data("abdomen-labels.nii.gz") else {
+        return;
+    };
+    let out = run_well(Path::new("."), &["info", path.to_str().unwrap(), "--json"]);
+    let json = json(&out);
+    let liver = &json["labels"][5];
+    assert_eq!(
+        (&liver["name"], &liver["color"]),
+        (&"liver".into(), &"#00ffff".into())
+    );
+    assert_eq!(liver["voxels"], 38_634);
+    // 27 mm³ a voxel.
+    assert!((liver["ml"].as_f64().unwrap() - 1043.118).abs() < 1e-6);
+    assert_eq!(json["labels"][0]["voxels"], 259_435);
 }
 
 #[test]

@@ -7,7 +7,8 @@ use crate::{Label, Volume};
 pub struct LoadedVolume {
     /// The grid.
     pub volume: Volume,
-    /// Names and colours of the objects, if the file says that its numbers are object ids.
+    /// Names and colors of the objects, if the file or the options say that its numbers are object
+    /// ids. An id occurs once.
     pub labels: Option<Vec<Label>>,
     /// What the user should know: slices left out, fields that were put right.
     pub notes: Vec<String>,

@@ -140,7 +140,8 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<LoadedVolume,
         ));
     }
     let labels = extensions::labels(
-        &header,
+        header.extensions().as_ref(),
+        header.intent_code == INTENT_LABEL,
         input.bytes,
         head_encoding,
         options.time_index,
@@ -275,6 +276,20 @@ impl Fields<'_> {
 
 impl Header {
     const LONGEST: usize = 540;
+
+    fn extensions(&self) -> Option<extensions::Place> {
+        let start = match self.version {
+            Version::Analyze => return None,
+            Version::Nifti1 => 348,
+            Version::Nifti2 => 540,
+        };
+        let end = match self.single_file {
+            true => self.vox_offset,
+            false => u64::MAX,
+        };
+        let endian = self.endian;
+        Some(extensions::Place { start, end, endian })
+    }
 
     fn parse(head: &[u8]) -> Result<Header, Error> {
         let cut_off = |expected: u64| ErrorKind::Truncated {

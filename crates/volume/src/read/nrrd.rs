@@ -24,7 +24,9 @@
 //! | `content`, `sample units`             | kept                                              |
 //!
 //! One axis may be a list or time (any position); `ReadOptions::time_index` picks from it. Keys
-//! `SegmentN_…` (3D Slicer's `.seg.nrrd`) give names and colours of labels.
+//! `SegmentN_…` (3D Slicer's `.seg.nrrd`) describe labels, see `nrrd/segments.rs`.
+
+mod segments;
 
 use super::block::{Encoding, Endian};
 use super::components::{self, Choice, Meaning};
@@ -33,7 +35,7 @@ use super::header_lines::{HeaderLines, numbers, required};
 use super::stored::Stored;
 use super::{Input, LoadedVolume, ReadOptions};
 use crate::error::{Error, ErrorKind};
-use crate::{Grid, Label, Metadata, Modality, Rescale, SampleType, Samples, Volume, with_samples};
+use crate::{Grid, Metadata, Modality, Rescale, SampleType, Samples, Volume, with_samples};
 use glam::{DAffine3, DMat3, DVec3};
 use std::collections::BTreeMap;
 
@@ -45,10 +47,26 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<LoadedVolume,
     let axes = header.axes(&mut notes)?;
     let grid = header.grid(&axes, &mut notes)?;
     let frames = axes.frames();
-    if options.time_index >= frames {
+    let segments = segments::all(&header.keys, frames)?;
+    let has_layers = !segments.is_empty() && frames > 1;
+    // Layers are read together, or one of them as a component.
+    let (frame, what, options) = match options.component {
+        _ if !has_layers => (options.time_index, "time point", options.clone()),
+        None => return layers(input, &header, &axes, grid, &segments, options, notes),
+        Some(layer) => {
+            no_time(options)?;
+            let component = None;
+            let options = ReadOptions {
+                component,
+                ..options.clone()
+            };
+            (layer, "component", options)
+        }
+    };
+    if frame >= frames {
         return Err(Error::field(
-            "time point",
-            options.time_index,
+            what,
+            frame,
             match frames {
                 1 => "0: the file holds a single volume".to_owned(),
                 n => format!("0 to {}", n - 1),
@@ -59,7 +77,7 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<LoadedVolume,
         Some((axis, meaning)) => (axes.sizes[axis], meaning),
         None => (1, Meaning::Vector),
     };
-    let choice = components::choice(components, meaning, options, &mut notes)?;
+    let choice = components::choice(components, meaning, &options, &mut notes)?;
     let count = components::total(grid.voxel_count(), components)?;
     let total = count
         .checked_mul(frames)
@@ -70,13 +88,13 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<LoadedVolume,
     let samples = match axes.frame_axis {
         // Frames follow one another: only the wanted one is read.
         Some(axis) if axis + 1 == axes.sizes.len() => {
-            let start = options.time_index * count;
+            let start = frame * count;
             storage.read(input, stored, total, start..start + count, &mut notes)?
         }
         Some(axis) => {
             let before = axes.sizes[..axis].iter().product();
             let mut samples = storage.read(input, stored, total, 0..total, &mut notes)?;
-            with_samples!(&mut samples, s => pick(s, before, frames, options.time_index));
+            with_samples!(&mut samples, s => pick(s, before, frames, frame));
             samples
         }
         None => storage.read(input, stored, total, 0..total, &mut notes)?,
@@ -86,13 +104,65 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<LoadedVolume,
         Some((axis, _)) => one_number(samples, &axes, axis, choice)?,
         None => samples,
     };
-    let labels = header.labels(options.time_index, frames, &mut notes)?;
-    let metadata = header.metadata(input.name, &axes, options.time_index);
+    let labels = segments::of_layer(&segments, frame, &mut notes);
+    let metadata = header.metadata(input.name, &axes, frame);
     Ok(LoadedVolume {
         volume: Volume::new(grid, samples, Rescale::IDENTITY, metadata)?,
         labels,
         notes,
     })
+}
+
+/// The labels of all layers of a segmentation.
+fn layers(
+    input: &Input,
+    header: &Header,
+    axes: &Axes,
+    grid: Grid,
+    segments: &[segments::Segment],
+    options: &ReadOptions,
+    mut notes: Vec<String>,
+) -> Result<LoadedVolume, Error> {
+    let stored = header.sample_type()?;
+    no_time(options)?;
+    if let Some((axis, _)) = axes.component_axis {
+        let allowed = "no axis beside the layers of a segmentation";
+        return Err(Error::field(
+            format!("kind of axis {axis}"),
+            "several numbers",
+            allowed,
+        ));
+    }
+    let total = components::total(grid.voxel_count(), axes.frames())?;
+    let storage = header.storage(stored)?;
+    let samples = storage.read(input, stored, total, 0..total, &mut notes)?;
+    let before = match axes.frame_axis {
+        Some(axis) => axes.sizes[..axis].iter().product(),
+        None => 1,
+    };
+    let layers = segments::Layers {
+        samples: &samples,
+        count: axes.frames(),
+        before,
+    };
+    let (samples, labels) = layers.combined(segments, &mut notes)?;
+    let metadata = Metadata {
+        time_points: 1,
+        ..header.metadata(input.name, axes, 0)
+    };
+    Ok(LoadedVolume {
+        volume: Volume::new(grid, samples, Rescale::IDENTITY, metadata)?,
+        labels: Some(labels),
+        notes,
+    })
+}
+
+fn no_time(options: &ReadOptions) -> Result<(), Error> {
+    let allowed = "0: layers are read together, or one of them as a component";
+    match options.time_index {
+        0 => Ok(()),
+        index => Err(Error::field("time point", index, allowed)),
+    }
 }
 
 /// The chosen number of every voxel, of those along an axis. The frame has been picked.
@@ -713,86 +783,6 @@ impl Header {
             )?));
         }
         Ok(Place::Files(vec![text.to_owned()]))
-    }
-
-    /// Names and colours of `SegmentN_…` keys, for the layer that was read.
-    fn labels(
-        &self,
-        layer: usize,
-        layers: usize,
-        notes: &mut Vec<String>,
-    ) -> Result<Option<Vec<Label>>, Error> {
-        #[derive(Default)]
-        struct Segment<'a> {
-            name: Option<&'a str>,
-            id: Option<&'a str>,
-            value: Option<&'a str>,
-            color: Option<&'a str>,
-            layer: Option<&'a str>,
-        }
-        let mut segments: BTreeMap<u32, Segment> = BTreeMap::new();
-        for (key, value) in &self.keys {
-            let Some((number, what)) = key.strip_prefix("Segment").and_then(|k| k.split_once('_'))
-            else {
-                continue;
-            };
-            let Ok(number) = number.parse() else {
-                continue;
-            };
-            let segment = segments.entry(number).or_default();
-            let slot = match what {
-                "Name" => &mut segment.name,
-                "ID" => &mut segment.id,
-                "LabelValue" => &mut segment.value,
-                "Color" => &mut segment.color,
-                "Layer" => &mut segment.layer,
-                _ => continue,
-            };
-            *slot = Some(value);
-        }
-        if segments.is_empty() {
-            return Ok(None);
-        }
-        let mut labels: Vec<Label> = Vec::new();
-        let mut other_layers = 0;
-        for (number, segment) in segments {
-            // Files from before layers and label values: one segment per layer, each of ones.
-            let in_layer = match segment.layer {
-                Some(text) => numbers::<usize>(&format!("Segment{number}_Layer"), text, 1)?[0],
-                None if segment.value.is_none() && layers > 1 => number as usize,
-                None => 0,
-            };
-            if in_layer != layer {
-                other_layers += 1;
-                continue;
-            }
-            let field = format!("Segment{number}_LabelValue");
-            let id = numbers::<u32>(&field, segment.value.unwrap_or("1"), 1)?[0];
-            if labels.iter().any(|label| label.id == id) {
-                notes.push(format!(
-                    "{field} {id} is named twice; the first name counts"
-                ));
-                continue;
-            }
-            let field = format!("Segment{number}_Color");
-            let color = segment
-                .color
-                .map(|text| numbers::<f32>(&field, text, 3))
-                .transpose()?
-                .map(|c| [c[0], c[1], c[2]].map(|c| c.clamp(0.0, 1.0)));
-            let name = segment.name.or(segment.id).unwrap_or_default().to_owned();
-            labels.push(Label {
-                color,
-                ..Label::new(id, name)
-            });
-        }
-        if other_layers > 0 {
-            notes.push(format!(
-                "{other_layers} segments lie in other layers; pick one as the time point (0 to {})",
-                layers - 1
-            ));
-        }
-        Ok(Some(labels))
     }
 
     fn metadata(&self, name: &str, axes: &Axes, time_index: usize) -> Metadata {

@@ -1,6 +1,6 @@
 //! What the user says about a file, and that it is something the file leaves open.
 
-use crate::{Error, SampleType};
+use crate::{Error, Label, SampleType};
 
 /// What the user says about a file that the file does not say itself.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -19,6 +19,14 @@ pub struct ReadOptions {
     /// Distance between voxel centres in mm for files that do not say (raw, npy, TIFF, PNG, and
     /// `.dat` without `SliceThickness`).
     pub spacing_mm: Option<[f64; 3]>,
+    /// Whether the numbers are object ids even if the file does not say so: [`LoadedVolume::labels`] is
+    /// there, with the names of a table beside the file if there is one.
+    ///
+    /// [`LoadedVolume::labels`]: super::LoadedVolume::labels
+    pub as_labels: bool,
+    /// Names and colors of the object ids, in place of those in or beside the file. Implies
+    /// `as_labels`.
+    pub label_table: Option<Vec<Label>>,
 }
 
 /// Layout of a headerless file.

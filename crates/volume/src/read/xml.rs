@@ -27,7 +27,7 @@ pub(crate) fn unescaped(text: &str) -> String {
     while let Some(at) = rest.find('&') {
         out.push_str(&rest[..at]);
         rest = &rest[at..];
-        let end = rest.find(';').filter(|end| *end <= 10);
+        let end = rest.bytes().take(11).position(|c| c == b';');
         let meant = end.and_then(|end| Some((end, entity(&rest[1..end])?)));
         let (length, c) = meant.map_or((1, '&'), |(end, c)| (end + 1, c));
         out.push(c);

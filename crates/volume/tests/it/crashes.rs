@@ -3,7 +3,9 @@
 
 use std::path::{Path, PathBuf};
 use strahl_volume::read::mesh::{self, MeshSpace};
-use strahl_volume::read::{LoadedVolume, MemoryFiles, ReadOptions, read_file, read_folder};
+use strahl_volume::read::{
+    LoadedVolume, MemoryFiles, ReadOptions, read_file, read_folder, read_label_table,
+};
 
 const SEPARATOR: &[u8] = b"\n--next file--\n";
 
@@ -103,6 +105,9 @@ fn read(target: &str, path: &Path, input: &[u8]) -> bool {
     if MESHES.contains(&target) {
         return read_mesh(target, input);
     }
+    if target == "label_table" {
+        return read_label_table("table", input).is_ok();
+    }
     if target == "raw" {
         let end = input.iter().position(|&byte| byte == b'\n').unwrap_or(0);
         let Ok(name) = std::str::from_utf8(&input[..end]) else {
@@ -157,7 +162,7 @@ fn seeds_are_read_except_those_of_what_is_refused() {
     let targets = TARGETS
         .iter()
         .map(|(name, ..)| *name)
-        .chain(["raw"])
+        .chain(["raw", "label_table"])
         .chain(MESHES);
     for target in targets {
         let inputs = inputs(&seeds.join(target));

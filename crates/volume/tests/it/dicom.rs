@@ -730,7 +730,10 @@ fn segmentation() -> Set {
     };
     let segment = |number: u16, name: &str| {
         let mut segment = Set::default();
+        let mut category = Set::default();
+        category.text((8, 0x104), b"LO", "Tissue");
         segment
+            .sequence((0x62, 3), &[category])
             .shorts((0x62, 4), b"US", &[number])
             .text((0x62, 5), b"LO", name)
             .shorts((0x62, 0x0D), b"US", &[65535, 32896, 32896]);
@@ -787,6 +790,7 @@ fn segmentations_become_labels() {
         assert_eq!(*loaded.volume.samples(), Samples::U8(expected));
         let labels = loaded.labels.unwrap();
         assert_eq!((labels[1].id, labels[1].name.as_str()), (2, "tumour"));
+        assert_eq!(labels[1].group.as_deref(), Some("Tissue"));
         let color = labels[0].color.unwrap();
         assert!(color.iter().all(|c| *c > 0.99), "{color:?}");
     }

@@ -3,6 +3,7 @@
 mod crashes;
 mod dicom;
 mod hostile;
+mod labels;
 mod mesh;
 mod metaimage;
 mod mgh;

@@ -485,7 +485,7 @@ fn extensions_that_are_broken_cost_their_names_only() {
     assert_eq!(
         notes,
         [
-            "the names of labels in the header are not used: line 3: the id is 1, which line 1 has named; allowed: each id once"
+            "the names of labels in the header are not used: line 3: the id is 1, as in line 1; allowed: each id once"
         ]
     );
     // Names without the words of an extension, as some have them.

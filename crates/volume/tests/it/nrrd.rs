@@ -188,37 +188,139 @@ fn a_list_or_time_axis_is_picked_from_wherever_it_stands() {
     assert!(message.contains("3 numbers per voxel"), "{message}");
 }
 
+/// Where the layers of [`segmentation`] lie.
+#[derive(Clone, Copy)]
+enum LayersAt {
+    Front,
+    End,
+}
+
+/// Four voxels in two layers: 1 1 0 2 and 0 b b 0, and these keys.
+fn segmentation(at: LayersAt, b: u8, keys: &str) -> Vec<u8> {
+    let (sizes, directions, kinds, samples) = match at {
+        LayersAt::Front => (
+            "2 4 1 1",
+            "none (1,0,0) (0,1,0) (0,0,1)",
+            "list domain domain domain",
+            [1, 0, 1, b, 0, b, 2, 0],
+        ),
+        LayersAt::End => (
+            "4 1 1 2",
+            "(1,0,0) (0,1,0) (0,0,1) none",
+            "domain domain domain list",
+            [1, 1, 0, 2, 0, b, b, 0],
+        ),
+    };
+    let header = format!(
+        "NRRD0004\ntype: uint8\ndimension: 4\nsizes: {sizes}\nspace: LPS\n\
+        space directions: {directions}\nkinds: {kinds}\nencoding: raw\n{keys}"
+    );
+    attached(&header, &samples)
+}
+
+const BONE: &str = "Segment0_Name:=bone\nSegment0_LabelValue:=1\nSegment0_Layer:=0\n\
+    Segment0_Color:=0.9 0.8 0.7\nSegment0_Tags:=Segmentation.Status:inprogress|\
+    TerminologyEntry:a list~SCT^85756007^Tissue~SCT^272673000^Bone~^^~other list~^^~^^|\n";
+
 #[test]
-fn segments_give_names_and_colours_layer_by_layer() {
-    let header = "NRRD0004\ntype: uint8\ndimension: 4\nsizes: 2 2 1 1\nspace: LPS\n\
-        space directions: none (1,0,0) (0,1,0) (0,0,1)\nkinds: list domain domain domain\nencoding: raw\n\
-        Segment0_Name:=bone\nSegment0_LabelValue:=1\nSegment0_Layer:=0\nSegment0_Color:=0.9 0.8 0.7\n\
-        Segment1_ID:=Segment_2\nSegment1_LabelValue:=7\nSegment1_Layer:=1\n";
-    let file = attached(header, &[1, 0, 0, 7]);
-    let layer = |time_index| {
+fn layers_of_segments_become_one() {
+    let bone = |id| Label {
+        color: Some([0.9, 0.8, 0.7]),
+        group: Some("Tissue".into()),
+        ..Label::new(id, "bone")
+    };
+    for at in [LayersAt::Front, LayersAt::End] {
+        let read_with_value = |b: u8, order: [u8; 2]| {
+            let [bone, other] = order;
+            let bone = BONE.replace("Segment0", &format!("Segment{bone}"));
+            let keys = format!(
+                "{bone}Segment{other}_ID:=Segment_2\nSegment{other}_LabelValue:={b}\n\
+                Segment{other}_Layer:=1\n"
+            );
+            read(&[("v.seg.nrrd", &segmentation(at, b, &keys))]).unwrap()
+        };
+        // Numbers that no two segments share stay ids; the second voxel is in both.
+        let loaded = read_with_value(7, [0, 1]);
+        assert_eq!(*loaded.volume.samples(), Samples::U8(vec![1, 7, 7, 2]));
+        assert_eq!(
+            loaded.labels,
+            Some(vec![bone(1), Label::new(7, "Segment_2")])
+        );
+        assert_eq!(
+            loaded.notes,
+            ["1 voxels belong to several segments; the last segment is kept"]
+        );
+        assert_eq!(loaded.volume.metadata().time_points, 1);
+        let loaded = read_with_value(7, [5, 3]);
+        assert_eq!(*loaded.volume.samples(), Samples::U8(vec![1, 1, 7, 2]));
+        // Else they are counted, and what has no name comes behind.
+        let loaded = read_with_value(1, [0, 1]);
+        assert_eq!(*loaded.volume.samples(), Samples::U8(vec![1, 2, 2, 3]));
+        assert_eq!(
+            loaded.labels,
+            Some(vec![bone(1), Label::new(2, "Segment_2")])
+        );
+        assert!(
+            loaded.notes[0].contains("share numbers"),
+            "{:?}",
+            loaded.notes
+        );
+        let loaded = read_with_value(1, [1, 0]);
+        assert_eq!(*loaded.volume.samples(), Samples::U8(vec![2, 2, 1, 3]));
+        assert_eq!(
+            loaded.labels,
+            Some(vec![Label::new(1, "Segment_2"), bone(2)])
+        );
+        let loaded = read_with_value(2, [0, 1]);
+        assert_eq!(*loaded.volume.samples(), Samples::U8(vec![1, 2, 2, 3]));
+    }
+}
+
+#[test]
+fn one_layer_of_segments_is_a_component() {
+    let keys = format!("{BONE}Segment1_ID:=Segment_2\nSegment1_LabelValue:=7\nSegment1_Layer:=1\n");
+    let file = segmentation(LayersAt::Front, 7, &keys);
+    let read = |component, time_index| {
         let options = ReadOptions {
+            component: Some(component),
             time_index,
             ..ReadOptions::default()
         };
-        read_with(&[("v.seg.nrrd", &file)], &options).unwrap()
+        read_with(&[("v.seg.nrrd", &file)], &options)
     };
-    let first = layer(0);
-    assert_eq!(*first.volume.samples(), Samples::U8(vec![1, 0]));
-    let bone = Label {
-        color: Some([0.9, 0.8, 0.7]),
-        ..Label::new(1, "bone")
-    };
-    assert_eq!(first.labels, Some(vec![bone]));
+    let second = read(1, 0).unwrap();
+    assert_eq!(*second.volume.samples(), Samples::U8(vec![0, 7, 7, 0]));
+    assert_eq!(second.labels, Some(vec![Label::new(7, "Segment_2")]));
+    let message = read(2, 0).unwrap_err().to_string();
     assert!(
-        first
-            .notes
-            .iter()
-            .any(|note| note.contains("1 segments lie in other layers"))
+        message.contains("component is 2; allowed: 0 to 1"),
+        "{message}"
     );
-    let second = layer(1);
-    assert_eq!(*second.volume.samples(), Samples::U8(vec![0, 7]));
-    let unnamed = Label::new(7, "Segment_2");
-    assert_eq!(second.labels, Some(vec![unnamed]));
+    let message = read(0, 1).unwrap_err().to_string();
+    assert!(
+        message.contains("time point is 1; allowed: 0: layers"),
+        "{message}"
+    );
+}
+
+#[test]
+fn segments_without_layers_have_one_each() {
+    let keys = "Segment0_Name:=a\nSegment1_Name:=b\nSegment2_Name:=c\nSegment2_LabelValue:=0\n";
+    let loaded = read(&[("v.seg.nrrd", &segmentation(LayersAt::End, 1, keys))]).unwrap();
+    // In the first layer 2 has no name.
+    assert_eq!(*loaded.volume.samples(), Samples::U8(vec![1, 2, 2, 3]));
+    let labels = vec![Label::new(1, "a"), Label::new(2, "b")];
+    assert_eq!(loaded.labels, Some(labels));
+    assert_eq!(loaded.notes[0], "`c` (value 0 in layer 0) has no voxels");
+    for (key, expected) in [
+        ("Segment0_Layer:=x\n", "Segment0_Layer is `x`"),
+        ("Segment0_LabelValue:=-1\n", "Segment0_LabelValue is `-1`"),
+        ("Segment0_Color:=1 2\n", "Segment0_Color is `1 2`"),
+    ] {
+        let file = segmentation(LayersAt::End, 1, &format!("{keys}{key}"));
+        let message = message(&[("v.seg.nrrd", &file)]);
+        assert!(message.contains(expected), "{message}");
+    }
 }
 
 #[test]

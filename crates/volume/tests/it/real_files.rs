@@ -6,16 +6,24 @@ use strahl_volume::read::{MemoryFiles, ReadOptions, read_file};
 use strahl_volume::{Label, LabelVolume, SampleType, read::LoadedVolume};
 
 fn load(name: &str) -> Option<LoadedVolume> {
+    load_with(name, &[])
+}
+
+/// The same with other files beside it.
+fn load_with(name: &str, beside: &[&str]) -> Option<LoadedVolume> {
     let shared = std::env::var_os("STRAHL_SHARED").map_or_else(
         || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared"),
         PathBuf::from,
     );
-    let path = shared.join("data").join(name);
-    let Ok(bytes) = std::fs::read(&path) else {
-        eprintln!("skipped: {} is not there", path.display());
-        return None;
-    };
-    let folder = MemoryFiles::from([(name.to_owned(), bytes)]);
+    let mut folder = MemoryFiles::new();
+    for name in [&[name], beside].concat() {
+        let path = shared.join("data").join(name);
+        let Ok(bytes) = std::fs::read(&path) else {
+            eprintln!("skipped: {} is not there", path.display());
+            return None;
+        };
+        folder.insert(name.to_owned(), bytes);
+    }
     Some(read_file(name, &folder, &ReadOptions::default()).unwrap())
 }
 
@@ -104,7 +112,7 @@ fn brain() {
 
 /// Names and numbers of voxels as Python's re and NumPy find them.
 #[test]
-fn labels() {
+fn labels_named_in_the_header() {
     let counts = |loaded: LoadedVolume| {
         let labels = LabelVolume::from_volume(loaded.volume, loaded.labels.unwrap()).unwrap();
         let counts = labels.counts();
@@ -133,4 +141,24 @@ fn labels() {
         assert_eq!(named[206], Label::new(207, "Area TeI (STG)"));
         assert_eq!(counts[..3], [(0, 4_625_346), (1, 7596), (2, 4432)]);
     }
+}
+
+/// Colors as Python's json reads them.
+#[test]
+fn labels_named_by_niivue() {
+    let beside = ["brain-labels.json"];
+    let Some(loaded) = load_with("brain-labels.nii.gz", &beside) else {
+        return;
+    };
+    let note = "names and colors of labels are those of brain-labels.json";
+    assert_eq!(loaded.notes, [note]);
+    let labels = loaded.labels.unwrap();
+    let label = |id, name: &str, color: [u8; 3]| Label {
+        color: Some(color.map(|c| f32::from(c) / 255.0)),
+        ..Label::new(id, name)
+    };
+    // The first entry is a background without a name.
+    assert_eq!(labels.len(), 207);
+    assert_eq!(labels[0], label(1, "Area 3b (PostCG)", [71, 46, 154]));
+    assert_eq!(labels[206], label(207, "Area TeI (STG)", [173, 208, 231]));
 }

@@ -30,11 +30,14 @@ pub(super) fn labels_of_map(set: &DataSet) -> Option<Vec<Label>> {
 fn labels(set: &DataSet) -> Vec<Label> {
     let label = |segment: &DataSet| {
         let lab = segment.u16s(tags::RECOMMENDED_DISPLAY_CIELAB_VALUE);
+        let category = segment
+            .items(tags::SEGMENTED_PROPERTY_CATEGORY_CODE_SEQUENCE)
+            .first();
         Some(Label {
             id: segment.u16(tags::SEGMENT_NUMBER)?.into(),
             name: segment.description(tags::SEGMENT_LABEL).unwrap_or_default(),
             color: lab.and_then(|lab| Some(srgb_of_lab(*lab.first_chunk()?))),
-            group: None,
+            group: category.and_then(|code| code.description(tags::CODE_MEANING)),
         })
     };
     let segments = set.items(tags::SEGMENT_SEQUENCE);

@@ -41,6 +41,7 @@ tags! {
     CONTENT_TIME = 0x0008, 0x0033, "ContentTime";
     MODALITY = 0x0008, 0x0060, "Modality";
     MANUFACTURER = 0x0008, 0x0070, "Manufacturer";
+    CODE_MEANING = 0x0008, 0x0104, "CodeMeaning";
     STUDY_DESCRIPTION = 0x0008, 0x1030, "StudyDescription";
     SERIES_DESCRIPTION = 0x0008, 0x103E, "SeriesDescription";
     MANUFACTURER_MODEL_NAME = 0x0008, 0x1090, "ManufacturerModelName";
@@ -123,6 +124,7 @@ tags! {
     TIME_SLICE_VECTOR = 0x0054, 0x0100, "TimeSliceVector";
     SEGMENTATION_TYPE = 0x0062, 0x0001, "SegmentationType";
     SEGMENT_SEQUENCE = 0x0062, 0x0002, "SegmentSequence";
+    SEGMENTED_PROPERTY_CATEGORY_CODE_SEQUENCE = 0x0062, 0x0003, "SegmentedPropertyCategoryCodeSequence";
     SEGMENT_NUMBER = 0x0062, 0x0004, "SegmentNumber";
     SEGMENT_LABEL = 0x0062, 0x0005, "SegmentLabel";
     SEGMENT_IDENTIFICATION_SEQUENCE = 0x0062, 0x000A, "SegmentIdentificationSequence";

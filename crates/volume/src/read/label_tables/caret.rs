@@ -9,7 +9,7 @@
 //!
 //! Each volume of a file has a table of its own. Colors are 0 to 1. The alpha is ignored.
 
-use super::{Table, id, share};
+use super::{Table, channel, id};
 use crate::error::{Error, ErrorKind};
 use crate::{Label, read::xml};
 
@@ -25,20 +25,20 @@ pub(crate) fn looks_like(text: &str) -> bool {
 /// # Errors
 /// A table or a label without an end; a key that is no id or occurs twice; a color outside 0 to 1.
 pub(crate) fn read(text: &str, index: usize) -> Result<Vec<Label>, Error> {
-    let starts: Vec<usize> = text.match_indices(TABLE).map(|(at, _)| at).collect();
-    let Some(start) = starts.get(index).or(starts.first()) else {
+    let mut starts = text.match_indices(TABLE).map(|(at, _)| at + TABLE.len());
+    let first = starts.next();
+    let Some(start) = index.checked_sub(1).and_then(|i| starts.nth(i)).or(first) else {
         return Ok(Vec::new());
     };
-    let mut rest = &text[start + TABLE.len()..];
+    let end = text[start..].find("</LabelTable");
+    let end = start + end.ok_or_else(|| missing("</LabelTable>"))?;
+    let mut rest = &text[start..end];
+    let (mut line, mut counted) = (1, 0);
     let mut table = Table::default();
-    loop {
-        let end = rest
-            .find("</LabelTable")
-            .ok_or_else(|| missing("</LabelTable>"))?;
-        let Some(at) = rest.find("<Label").filter(|at| *at < end) else {
-            return Ok(table.labels);
-        };
-        let line = line_of(text, rest, at);
+    while let Some(at) = rest.find("<Label") {
+        let begin = end - rest.len() + at;
+        line += text[counted..begin].bytes().filter(|c| *c == b'\n').count();
+        counted = begin;
         rest = &rest[at + "<Label".len()..];
         let close = rest
             .find('>')
@@ -49,22 +49,24 @@ pub(crate) fn read(text: &str, index: usize) -> Result<Vec<Label>, Error> {
             true => String::new(),
             false => name(&mut rest)?,
         };
-        table.add(line, label(line, attributes, name)?)?;
+        let place = format!("line {line}");
+        table.add(&place, label(&place, attributes, name)?)?;
     }
+    Ok(table.finish())
 }
 
-fn label(line: usize, attributes: &str, name: String) -> Result<Label, Error> {
+fn label(place: &str, attributes: &str, name: String) -> Result<Label, Error> {
     let key = xml::attribute(attributes, "Key").unwrap_or_default();
     let mut color = Some([0.0; 3]);
-    for (channel, what) in ["Red", "Green", "Blue"].into_iter().enumerate() {
+    for (i, what) in ["Red", "Green", "Blue"].into_iter().enumerate() {
         match (xml::attribute(attributes, what), &mut color) {
-            (Some(text), Some(color)) => color[channel] = share(line, what, text)?,
+            (Some(text), Some(color)) => color[i] = channel(place, what, text, 1.0)?,
             _ => color = None,
         }
     }
     Ok(Label {
         color,
-        ..Label::new(id(line, key)?, name)
+        ..Label::new(id(place, key)?, name)
     })
 }
 
@@ -73,7 +75,7 @@ fn name(rest: &mut &str) -> Result<String, Error> {
     let mut name = String::new();
     loop {
         let end = rest.find("</Label>").ok_or_else(|| missing("</Label>"))?;
-        let marked = rest.find("<![CDATA[").filter(|at| *at < end);
+        let marked = rest[..end].find("<![CDATA[");
         name += &xml::unescaped(&rest[..marked.unwrap_or(end)]);
         let Some(at) = marked else {
             *rest = &rest[end + "</Label>".len()..];
@@ -90,12 +92,6 @@ fn missing(what: &str) -> Error {
     let field = what.to_owned();
     let allowed = "the label table is cut off".to_owned();
     ErrorKind::Missing { field, allowed }.into()
-}
-
-/// The line, from 1, of what stands at `at` in the `rest` of a text.
-fn line_of(text: &str, rest: &str, at: usize) -> usize {
-    let before = &text[..text.len() - rest.len() + at];
-    1 + before.bytes().filter(|c| *c == b'\n').count()
 }
 
 #[cfg(test)]
@@ -139,9 +135,13 @@ mod tests {
             (
                 "Key='7'",
                 "Key='0'",
-                "line 3: the id is 0, which line 2 has named; allowed: each id once",
+                "line 3: the id is 0, as in line 2; allowed: each id once",
             ),
-            ("'0.25'", "'25'", "line 3: Red is `25`; allowed: 0 to 1"),
+            (
+                "'0.25'",
+                "'25'",
+                "line 3: Red is `25`; allowed: a number from 0 to 1",
+            ),
             ("'0.25'", "'NaN'", "line 3: Red is `NaN`"),
         ] {
             let message = read(&TEXT.replace(from, to), 0).unwrap_err().to_string();

@@ -1,16 +1,16 @@
-//! Lines of an id and a name, as comments of NIfTI files have them:
+//! Lines of an id and a name, as in comments of NIfTI files:
 //!
 //! ```text
 //! 1 Area 3b (PostCG)
 //! 2 Area hOc4la (LOC)
 //! ```
 //!
-//! Empty lines, and those that begin with `#`, mean nothing.
+//! Empty lines and lines that begin with `#` are skipped.
 
-use super::{Table, id};
+use super::{Table, id, meaningful};
 use crate::{Error, Label};
 
-/// Whether the first line that means something is an id with a name.
+/// Whether the first line that is not skipped is an id with a name.
 pub(crate) fn looks_like(text: &str) -> bool {
     let first = meaningful(text).next();
     let words = first.and_then(|(_, line)| line.split_once(char::is_whitespace));
@@ -18,26 +18,16 @@ pub(crate) fn looks_like(text: &str) -> bool {
 }
 
 /// # Errors
-/// A line without an id or without a name; an id that comes twice.
+/// A line without an id or without a name; an id that occurs twice.
 pub(crate) fn read(text: &str) -> Result<Vec<Label>, Error> {
     let mut table = Table::default();
     for (number, line) in meaningful(text) {
+        let place = format!("line {number}");
         let Some((first, name)) = line.split_once(char::is_whitespace) else {
-            let allowed = "an id and a name, with a blank between them";
-            return Err(Error::field(
-                format!("line {number}"),
-                format!("`{line}`"),
-                allowed,
-            ));
+            let allowed = "an id, a space and a name";
+            return Err(Error::field(place, format!("`{line}`"), allowed));
         };
-        table.add(number, Label::new(id(number, first)?, name.trim()))?;
+        table.add(&place, Label::new(id(&place, first)?, name.trim()))?;
     }
-    Ok(table.labels)
-}
-
-/// The lines that mean something, with their numbers from 1.
-fn meaningful(text: &str) -> impl Iterator<Item = (usize, &str)> {
-    let lines = text.lines().enumerate();
-    let trimmed = lines.map(|(i, line)| (i + 1, line.trim()));
-    trimmed.filter(|(_, line)| !(line.is_empty() || line.starts_with('#')))
+    Ok(table.finish())
 }

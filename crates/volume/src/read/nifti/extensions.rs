@@ -9,54 +9,59 @@
 //!
 //! Some writers put plain text there although the first byte is 0.
 
-use super::{Header, Version};
 use crate::read::block::{self, Encoding, Endian};
 use crate::read::label_tables::{caret, lines};
 use crate::{Error, Label, read::Bytes};
 
+/// Where the extensions of a file lie.
+pub(super) struct Place {
+    /// Bytes before the four that say whether there are any.
+    pub start: u64,
+    /// Bytes before the samples, or `u64::MAX` if those lie in another file.
+    pub end: u64,
+    pub endian: Endian,
+}
+
 /// No text in a header that is not an accident is longer.
 const MOST_BYTES: u64 = 1 << 24;
 
-/// The labels that the extensions name. `None` if they name none and the intent is not 1002.
+/// The labels that the extensions at `place` name. `None` if they name none and the numbers are not
+/// said to be ids of objects.
 ///
 /// # Errors
 /// What the system says, or damaged packed data. What is wrong with a table is a note.
 pub(super) fn labels(
-    header: &Header,
+    place: Option<&Place>,
+    is_ids: bool,
     bytes: &dyn Bytes,
     encoding: Encoding,
     time_index: usize,
     notes: &mut Vec<String>,
 ) -> Result<Option<Vec<Label>>, Error> {
-    let is_ids = header.intent_code == super::INTENT_LABEL;
-    for text in texts(header, bytes, encoding)? {
+    let texts = match place {
+        Some(place) => texts(place, bytes, encoding)?,
+        None => Vec::new(),
+    };
+    for text in texts {
         let read = match () {
             () if caret::looks_like(&text) => caret::read(&text, time_index),
             // Any other comment may begin with a number.
             () if is_ids && lines::looks_like(&text) => lines::read(&text),
             () => continue,
         };
-        match read {
-            Ok(labels) => return Ok(Some(labels)),
-            Err(error) => notes.push(format!(
-                "the names of labels in the header are not used: {error}"
-            )),
-        }
+        let labels = read.unwrap_or_else(|error| {
+            let note = format!("the names of labels in the header are not used: {error}");
+            notes.push(note);
+            Vec::new()
+        });
+        return Ok(Some(labels));
     }
     Ok(is_ids.then(Vec::new))
 }
 
-fn texts(header: &Header, bytes: &dyn Bytes, encoding: Encoding) -> Result<Vec<String>, Error> {
-    let start: u64 = match header.version {
-        Version::Analyze => return Ok(Vec::new()),
-        Version::Nifti1 => 348,
-        Version::Nifti2 => 540,
-    };
-    let end = match header.single_file {
-        true => header.vox_offset,
-        false => u64::MAX,
-    };
-    let end = end.min(start + MOST_BYTES);
+fn texts(place: &Place, bytes: &dyn Bytes, encoding: Encoding) -> Result<Vec<String>, Error> {
+    let start = place.start;
+    let end = place.end.min(start + MOST_BYTES);
     if end <= start + 4 {
         return Ok(Vec::new());
     }
@@ -69,7 +74,7 @@ fn texts(header: &Header, bytes: &dyn Bytes, encoding: Encoding) -> Result<Vec<S
     };
     Ok(match extender[0] {
         0 => vec![text_of(rest)],
-        _ => contents(rest, header.endian).map(text_of).collect(),
+        _ => contents(rest, place.endian).map(text_of).collect(),
     })
 }
 
