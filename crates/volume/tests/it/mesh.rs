@@ -60,7 +60,7 @@ fn every_form_gives_the_same_tetrahedron() {
         } else {
             assert_eq!((lo, hi), (DVec3::ZERO, DVec3::splat(10.0)), "{path}");
             assert!(
-                loaded.notes[0].contains("taken as RAS"),
+                loaded.notes[0].contains("read as RAS mm"),
                 "{:?}",
                 loaded.notes
             );

@@ -9,7 +9,7 @@
 //!
 //! Each volume of a file has a table of its own. Colors are 0 to 1. The alpha is ignored.
 
-use super::{Table, channel, id};
+use super::table::{Table, channel, id};
 use crate::error::{Error, ErrorKind};
 use crate::{Label, read::xml};
 

@@ -8,7 +8,7 @@
 //! Channels are 0 to 255. The alpha is ignored: it is a transparency in one and an opacity in the
 //! other program.
 
-use super::{Table, color_of_bytes, id, meaningful};
+use super::table::{Table, color_of_bytes, id, meaningful};
 use crate::{Error, Label};
 
 /// Whether a line is an id, a name and four numbers.

@@ -8,7 +8,7 @@
 //!
 //! The columns are found by their names; others are ignored. An empty color is no color.
 
-use super::{Table, channel, hex, id};
+use super::table::{Table, channel, hex, id};
 use crate::{Error, Label};
 
 const IDS: &[&str] = &["id", "index", "labelvalue", "value", "key"];

@@ -7,7 +7,7 @@
 //!
 //! Channels are 0 to 255. Alpha and the two switches of the program are ignored.
 
-use super::{Table, color_of_bytes, id, meaningful};
+use super::table::{Table, color_of_bytes, id, meaningful};
 use crate::{Error, Label};
 
 /// Whether the first line that is not skipped is seven numbers and a quoted text.

@@ -1,7 +1,7 @@
 //! Label tables in JSON: niivue's arrays, objects by id, objects by name (see the table in
 //! `label_tables.rs`).
 
-use super::{Table, hex, id};
+use super::table::{Table, hex, id};
 use crate::{Error, Label};
 use serde::de::{Deserialize, Deserializer, MapAccess, SeqAccess, Visitor};
 use std::fmt;

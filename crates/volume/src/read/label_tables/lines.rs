@@ -7,7 +7,7 @@
 //!
 //! Empty lines and lines that begin with `#` are skipped.
 
-use super::{Table, id, meaningful};
+use super::table::{Table, id, meaningful};
 use crate::{Error, Label};
 
 /// Whether the first line that is not skipped is an id with a name.
