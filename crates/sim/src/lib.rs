@@ -8,12 +8,12 @@
 //! This crate has its own integer arithmetic and calls no renderer, so its pictures check renderers independently.
 //!
 //! ```
-//! use strahl_sim::{Frame, Nobody, Spec, VolumeStore, jaw, no_progress, run};
+//! use strahl_sim::{Frame, NoObserver, Spec, VolumeStore, jaw, no_progress, run};
 //! use strahl_sim::spec::Optimisation;
 //!
 //! let volume = VolumeStore::new(&jaw([64, 64, 32])?)?;
 //! let spec = Spec { optimisation: Optimisation::none(), ..Spec::default() };
-//! let drawn = run(&Frame::new(&spec, &volume)?, &mut Nobody, &no_progress)?;
+//! let drawn = run(&Frame::new(&spec, &volume)?, &mut NoObserver, &no_progress)?;
 //! assert_eq!(drawn.size, [64, 32]);
 //! // One sample per voxel; 8 tiles · 4 rows of tiles, each through four blocks of 16³ voxels.
 //! assert_eq!(drawn.counters.samples, 64 * 64 * 32);

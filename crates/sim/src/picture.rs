@@ -1,11 +1,11 @@
 //! A picture as the Spec says: in one run, in slabs, or from several volumes and boards.
 //!
 //! ```
-//! use strahl_sim::{Nobody, Spec, Subject, VolumeStore, draw, jaw, no_progress};
+//! use strahl_sim::{NoObserver, Spec, Subject, VolumeStore, draw, jaw, no_progress};
 //!
 //! let jaw = VolumeStore::new(&jaw([32, 32, 16])?)?;
 //! let spec = Spec::default().with(&["merge.boards=2".to_owned()])?;
-//! let drawn = draw(&spec, &Subject::of(&jaw), &mut Nobody, &no_progress)?;
+//! let drawn = draw(&spec, &Subject::of(&jaw), &mut NoObserver, &no_progress)?;
 //! // Both boards work at the same time.
 //! assert_eq!(drawn.counters.clocks, *drawn.clocks_of_part.iter().max().unwrap());
 //! # Ok::<(), strahl_sim::Error>(())
