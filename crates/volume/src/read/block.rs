@@ -412,6 +412,7 @@ pub(crate) fn reserve<T>(into: &mut Vec<T>, additional: usize) -> Result<(), Err
 ///
 /// # Errors
 /// [`ErrorKind::NoMemory`].
+#[cfg(feature = "dicom")]
 pub(crate) fn zeroed<T: Clone + Default>(number: usize) -> Result<Vec<T>, Error> {
     let mut zeros = Vec::new();
     reserve(&mut zeros, number)?;
