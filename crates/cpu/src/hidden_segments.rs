@@ -4,8 +4,9 @@ use crate::brick_number::EDGE;
 use crate::making::Making;
 use crate::skip::Skip;
 use glam::{DAffine3, DVec3};
+use std::sync::Arc;
 use strahl_scene::plan::{Labelled, NumberedSegments, Plan};
-use strahl_volume::{Cancelled, ContentId, Control, Grid, Key, LabelIds, LabelNumbers, cores};
+use strahl_volume::{Cancelled, ContentId, Control, Key, LabelIds, LabelNumbers, cores};
 
 /// Key of the bricks of a volume that hold hidden segments only.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,14 +33,15 @@ pub fn hidden_segments(
     making: &Making,
     plan: &Plan,
     labels: (ContentId, &LabelNumbers),
-) -> Result<Option<std::sync::Arc<Skip>>, Cancelled> {
+) -> Result<Option<Arc<Skip>>, Cancelled> {
     let Some(labelled) = plan.labelled() else {
         return Ok(None);
     };
     let field = plan.field();
     let segments = labelled.numbered(&labels.1.ids);
     let is_hidden: Vec<bool> = segments.techniques.iter().map(|&t| t == 0).collect();
-    let bricks = brick_dims(&field.grid);
+    // Bricks hold cells, of which there is one less than voxels.
+    let bricks = field.grid.dims().map(|n| (n.max(2) - 1).div_ceil(EDGE));
     // Words are gathered at 32-bit offsets.
     let fits = bricks.iter().product::<usize>() <= i32::MAX as usize / 8;
     if !is_hidden.contains(&true) || !fits {
@@ -52,26 +54,21 @@ pub fn hidden_segments(
         is_hidden,
     };
     let make = || {
-        let visible = visible_bricks(&key, labelled, &segments, labels.1, making.control)?;
+        let visible = visible_bricks(bricks, &key, labelled, &segments, labels.1, making.control)?;
         Skip::of_visible(bricks, &visible, making.control)
     };
     Ok(Some(making.find(&key, make)?))
 }
 
-/// Bricks hold cells, of which there is one less than voxels.
-fn brick_dims(grid: &Grid) -> [usize; 3] {
-    grid.dims().map(|n| (n.max(2) - 1).div_ceil(EDGE))
-}
-
-/// For each brick whether a place in it may be in a segment that is drawn.
+/// For each of so many bricks whether a place in it may be in a segment that is drawn.
 fn visible_bricks(
+    [nx, ny, nz]: [usize; 3],
     key: &HiddenBricksKey,
     labelled: &Labelled,
     segments: &NumberedSegments,
     labels: &LabelNumbers,
     control: &Control,
 ) -> Result<Vec<bool>, Cancelled> {
-    let [nx, ny, nz] = key.dims.map(|n| (n.max(2) - 1).div_ceil(EDGE));
     let label_dims = labelled.grid.dims();
     let is_outside_hidden = key.is_hidden[segments.outside as usize];
     let shows = |low: [i64; 3], high: [i64; 3]| {

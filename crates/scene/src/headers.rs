@@ -35,8 +35,11 @@ pub struct LabelHeader {
 impl LabelHeader {
     /// The ids with what is known of them.
     pub(crate) fn segments(&self) -> impl Iterator<Item = (u32, Option<&Label>)> {
-        let label = |id: u32| self.labels.iter().find(|label| label.id == id);
-        self.ids.iter().map(move |&id| (id, label(id)))
+        let labels: BTreeMap<u32, &Label> =
+            self.labels.iter().map(|label| (label.id, label)).collect();
+        self.ids
+            .iter()
+            .map(move |id| (*id, labels.get(id).copied()))
     }
 }
 

@@ -2,6 +2,7 @@
 //! the local rule of its technique makes into one sample; runs add up by the rule of the Plan.
 
 use super::packet::Packet;
+use super::runs::Run;
 use crate::lanes::{F32s, Mask, Vec3s, each, lanes};
 use crate::levels::{Level, vectorized};
 use crate::library::composite::{Crossing, Rule, State, with_rule};
@@ -184,7 +185,12 @@ impl<S: Level> Packet<'_, S> {
             runs.place = first.select(run.place, runs.place);
             runs.has_place = first.select(one, runs.has_place);
         }
-        runs.add(segments.rule, of, [colour, [alpha, importance, zero]]);
+        let ended = Run {
+            colour,
+            alpha,
+            importance,
+        };
+        runs.add(segments.rule, of, &ended);
         self.state.last_normal = of.select3(run.last_normal, self.state.last_normal);
     }
 }

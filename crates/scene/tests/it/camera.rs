@@ -127,6 +127,39 @@ fn views_are_seen_from_their_side() {
     }
 }
 
+/// The depths that context-preserving rendering counts from: those of all places in the box, and no more.
+#[test]
+fn depths_are_those_of_the_nearest_and_the_farthest_place() {
+    let header = ct_head();
+    let (low, high) = header.grid.bounds_mm();
+    for projection in [Projection::Perspective, Projection::Orthographic] {
+        for (azimuth_deg, zoom) in [(0.0, 1.0), (35.0, 1.0), (200.0, 3.0)] {
+            let camera = Camera {
+                projection: Some(projection),
+                azimuth_deg: Some(azimuth_deg),
+                zoom: Some(zoom),
+                ..Camera::default()
+            };
+            let camera = plan(camera, [64, 64], &header).camera;
+            let [near, far] = camera.depths_mm(&header.grid);
+            let (mut least, mut most) = (f64::INFINITY, 0.0f64);
+            for i in 0..31 * 31 * 31 {
+                let share =
+                    DVec3::new((i % 31) as f64, (i / 31 % 31) as f64, (i / 961) as f64) / 30.0;
+                let way = low + share * (high - low) - camera.eye_mm;
+                let depth = match projection {
+                    Projection::Perspective => way.length(),
+                    Projection::Orthographic => way.dot(camera.forward),
+                };
+                (least, most) = (least.min(depth), most.max(depth));
+            }
+            assert!((far - most).abs() < 1e-6, "{far} {most}");
+            // The nearest place of a face lies between two of these.
+            assert!(near <= least + 1e-6 && near > least - 1.0, "{near} {least}");
+        }
+    }
+}
+
 #[test]
 fn nothing_is_cut_off_without_a_zoom() {
     for header in [

@@ -207,4 +207,66 @@ mod tests {
         add(&mut seen, 1.0, 1.0);
         near(seen.importance, 2.0);
     }
+    #[test]
+    fn opaque_samples_show_what_lies_before_by_the_modulation_factor() {
+        // Of opaque samples C = m·C + (1 − m·A)·C_s: here of white, with m = e^−1 and A = 1, before black.
+        let mut seen = white(1.0, 0.0);
+        add(&mut seen, 1.0, 1.0);
+        near(seen.colour[0], (-1.0f64).exp());
+        near(seen.alpha, 1.0);
+        near(seen.importance, 1.0);
+    }
+
+    fn rule(measure: u32, [first, second, third]: [f32; 3]) -> ImportanceAware {
+        ImportanceAware {
+            measure,
+            gain: 2.0,
+            first,
+            second,
+            third,
+            full_per_mm: 1.0,
+            low: 0.0,
+            high: 1.0,
+        }
+    }
+
+    #[test]
+    fn silhouettes_and_lighting_are_their_formulas() {
+        let smoothstep = |from: f64, to: f64, x: f64| {
+            let t = ((x - from) / (to - from)).clamp(0.0, 1.0);
+            t * t * (3.0 - 2.0 * t)
+        };
+        // Both orientations of the ramp; the values are those of the source.
+        for parameters in [[0.4f32, 0.2, 0.6], [0.1, 0.5, 0.2], [0.4, 0.5, 0.2]] {
+            let [p1, p2, p3] = parameters.map(f64::from);
+            for step in 0..=20 {
+                let (steepness, facing) = (0.05 * f64::from(step), 1.0 - 0.045 * f64::from(step));
+                let [steep, cosine] = [steepness, facing].map(|n| F32s::splat(n as f32));
+                let silhouette = steepness.powf(p1) * smoothstep(p2, p3, 1.0 - facing);
+                near(rule(1, parameters).of_surface(steep, cosine), silhouette);
+                let lit = 3.0 - facing.powf(p1) - facing.powf(p2) - (1.0 - steepness).powf(p3);
+                near(rule(2, parameters).of_surface(steep, cosine), lit);
+            }
+        }
+        // A ramp without width is a step.
+        let step =
+            |facing| rule(1, [0.0, 0.5, 0.5]).of_surface(F32s::splat(1.0), F32s::splat(facing));
+        near(step(0.6), 0.0);
+        near(step(0.4), 1.0);
+    }
+
+    #[test]
+    fn a_ray_ends_only_where_nothing_more_important_can_come() {
+        let ends = |measure: u32, alpha: f32, importance: f32| {
+            let state = State::<Portable> {
+                alpha: F32s::splat(alpha),
+                value: F32s::splat(importance),
+                ..State::start(0.0)
+            };
+            rule(measure, [1.0; 3]).done(&state).any()
+        };
+        // The gain is 2: up to 2, and by lighting up to 6.
+        assert!(ends(0, 0.999, 2.0) && !ends(0, 0.999, 1.9) && !ends(0, 0.99, 2.0));
+        assert!(ends(2, 0.999, 6.0) && !ends(2, 0.999, 2.0));
+    }
 }
