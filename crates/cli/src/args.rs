@@ -6,8 +6,9 @@ use anyhow::{Context, Result, anyhow, bail};
 use std::str::FromStr;
 use strahl::scene::plan::MOST_EDGE_PIXELS;
 use strahl::scene::{
-    AllBut, BoxClip, BoxSpace, Endian, Jitter, LabelSource, PlaneClip, PointsIn, Quality,
-    Reconstruct, SegmentChoice, SegmentUse, Shading, ShadingModel, ToneMap, VolumeSource,
+    AllBut, BoxClip, BoxSpace, Endian, Jitter, LabelSource, OfGroup, PlaneClip, PointsIn, Quality,
+    Reconstruct, SegmentChoice, SegmentUse, Shading, ShadingModel, ToneMap, ValueLayer,
+    ValueLayers, VolumeSource,
 };
 use strahl::volume::SampleType;
 use strahl::volume::read::ReadOptions;
@@ -90,7 +91,7 @@ pub fn draw_over(flags: &DrawFlags, scene: &mut Scene) -> Result<()> {
     let camera = camera_over(flags, camera)?;
     scene.camera = (camera != Camera::default()).then_some(camera);
     clips_over(flags, scene)?;
-    segments_over(flags, scene);
+    segments_over(flags, scene)?;
     if let Some(text) = &flags.size {
         let size = numbers::<u32, 2>("--size", text, "width and height, such as 1920x1080")?;
         if !size
@@ -272,16 +273,27 @@ const POINT: &str = "three numbers in RAS mm, such as 10,-20,35.5";
 const GLIMPSE: (f64, Color) = (0.07, Color([0.62, 0.66, 0.7]));
 
 /// The segments that are asked for; they count more than those of the scene.
-fn segments_over(flags: &DrawFlags, scene: &mut Scene) {
+fn segments_over(flags: &DrawFlags, scene: &mut Scene) -> Result<()> {
     if let Some(labels) = &flags.labels {
         let path = labels.to_string_lossy().into_owned();
-        scene.labels = Some(LabelSource { path, table: None });
+        scene.labels = Some(LabelSource::file(path));
+    }
+    if let Some(layers) = &flags.layers {
+        scene.labels = Some(LabelSource {
+            layers: Some(value_layers(layers)?),
+            ..LabelSource::default()
+        });
     }
     let any = || SegmentChoice::Name("*".to_owned());
     let of = |texts: &[String]| {
         let choice = |text: &String| match text.parse() {
             Ok(id) => SegmentChoice::Id(id),
-            Err(_) => SegmentChoice::Name(text.clone()),
+            Err(_) => match text.strip_prefix("group:") {
+                Some(group) => SegmentChoice::Group(OfGroup {
+                    group: group.to_owned(),
+                }),
+                None => SegmentChoice::Name(text.clone()),
+            },
         };
         SegmentChoice::List(texts.iter().map(choice).collect())
     };
@@ -314,6 +326,24 @@ fn segments_over(flags: &DrawFlags, scene: &mut Scene) {
     }
     if !uses.is_empty() {
         scene.segments.get_or_insert_default().extend(uses);
+    }
+    Ok(())
+}
+
+/// `4` is as many equal layers, `100,300` are two that begin at these values; one alone is `100,`.
+fn value_layers(text: &str) -> Result<ValueLayers> {
+    if let Ok(count) = text.trim().parse() {
+        return Ok(ValueLayers::Count(count));
+    }
+    let values = text.strip_suffix(',').unwrap_or(text).split(',');
+    let values: std::result::Result<Vec<f64>, _> = values.map(|t| t.trim().parse()).collect();
+    match values {
+        Ok(values) => Ok(ValueLayers::From(
+            values.into_iter().map(ValueLayer::Value).collect(),
+        )),
+        Err(_) => bail!(
+            "--layers is {text:?}; allowed: a number of equal layers, such as 4, or the values at which layers begin, such as 100,300"
+        ),
     }
 }
 

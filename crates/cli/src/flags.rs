@@ -223,7 +223,18 @@ pub struct DrawFlags {
     #[arg(long, value_name = "FILE", help_heading = "Segments")]
     pub labels: Option<PathBuf>,
 
-    /// Draw only these segments, given by id or by name with * and ?; repeatable
+    /// Draw intervals of values as segments: a number of equal ones, such as 4, or the values at which they begin, such as 100,300
+    #[arg(
+        long,
+        value_name = "N|VALUES",
+        allow_hyphen_values = true,
+        conflicts_with = "labels",
+        help_heading = "Segments",
+        hide_short_help = true
+    )]
+    pub layers: Option<String>,
+
+    /// Draw only these segments, given by id, by name with * and ?, or by group:NAME; repeatable
     #[arg(
         long,
         value_name = "SEGMENT",

@@ -34,6 +34,7 @@ mod function;
 mod graph_text;
 mod headers;
 mod image;
+mod label_source;
 mod light;
 mod nearest;
 mod noise_tile;
@@ -68,6 +69,7 @@ pub use function::{FunctionUse, ParameterValue};
 pub use graph_text::GraphText;
 pub use headers::{Headers, LabelHeader};
 pub use image::Image;
+pub use label_source::{LabelSource, NamedLayer, NamedMask, ValueLayer, ValueLayers};
 pub use light::{Light, LightKind, LightSpace};
 pub use noise_tile::NoiseTile;
 pub use object::{Placement, SceneObject};
@@ -80,9 +82,8 @@ pub use rendered::{Counts, Rendered, Stats};
 pub use resolve::{resolve, resolve_with};
 pub use sampling::{Sampling, SamplingRule};
 pub use scene::{Compositing, Display, Gradient, Jitter, Quality, Scene, ToneMap};
-pub use segments::{
-    AllBut, LabelSource, SegmentChoice, SegmentComposite, SegmentUse, segment_notes,
-};
+pub use segmented::segment_notes;
+pub use segments::{AllBut, OfGroup, SegmentChoice, SegmentComposite, SegmentUse};
 pub use settled::{FORMAT, settled, settled_with};
 pub use shading::Shading;
 pub use source::{OtherData, Source};

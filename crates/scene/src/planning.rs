@@ -326,6 +326,9 @@ fn check_given(scene: &Scene, checker: &mut Checker) {
     if let Some(volume) = &scene.volume {
         volume.check(&mut checker.problems);
     }
+    if let Some(labels) = &scene.labels {
+        labels.check(checker);
+    }
     object::check(scene.objects.as_deref().unwrap_or(&[]), checker);
     if let Some(name) = &scene.preset
         && PresetInfo::find(name).is_none()

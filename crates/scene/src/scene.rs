@@ -31,7 +31,7 @@ pub struct Scene {
     /// Further volumes, meshes and groups to draw.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub objects: Option<Vec<SceneObject>>,
-    /// Object ids, on the grid of the volume or another one: each segment is drawn as `segments` says.
+    /// Where segments come from: a label file, masks, or intervals of values. Each is drawn as `segments` says.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub labels: Option<LabelSource>,
     /// How segments can be drawn, by name. `solid` and `scene` are always there.

@@ -95,7 +95,18 @@ fn merged(scene: &Scene) -> (BTreeMap<String, SegmentTechnique>, Vec<SegmentUse>
     techniques.extend(scene.techniques.clone().unwrap_or_default());
     let mut uses = preset.segments.unwrap_or_default();
     uses.extend(scene.segments.clone().unwrap_or_default());
-    (techniques, uses)
+    (techniques, with_members(&uses, scene))
+}
+
+fn with_members(uses: &[SegmentUse], scene: &Scene) -> Vec<SegmentUse> {
+    let source = scene.labels.clone().unwrap_or_default();
+    source.with_members(uses)
+}
+
+/// What a person should know who has the segments of `labels` drawn by `scene`.
+pub fn segment_notes(scene: &Scene, labels: &LabelHeader) -> Vec<String> {
+    let uses = scene.segments.as_deref().unwrap_or(&[]);
+    segments::notes(&with_members(uses, scene), labels)
 }
 
 /// The lights of a scene that is lit by nothing but its segments.

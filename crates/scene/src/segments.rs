@@ -12,18 +12,6 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use strahl_volume::Label;
 
-/// Where segments come from: object ids on a grid of their own or on that of the volume.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
-#[serde(deny_unknown_fields)]
-pub struct LabelSource {
-    /// File, relative to the folder of the scene file; or a folder of masks.
-    pub path: String,
-    /// File with names and colors of the ids; default: those in `path` or in a table beside it.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub table: Option<String>,
-}
-
 /// How the runs of segments become a pixel. A run is what the technique of a segment makes of its samples in a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
@@ -81,6 +69,17 @@ pub enum SegmentChoice {
     List(Vec<SegmentChoice>),
     /// All but the background and others.
     But(AllBut),
+    /// Those of a group.
+    Group(OfGroup),
+}
+
+/// The segments of a group.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct OfGroup {
+    /// One of `groups` in `labels`, or a group in the label file, such as a tissue class. Upper and lower case are equal.
+    pub group: String,
 }
 
 /// All segments but the background and some others.
@@ -93,18 +92,41 @@ pub struct AllBut {
 }
 
 impl SegmentChoice {
-    /// Whether the segment with this id and name is among them.
-    pub fn has(&self, id: u32, name: Option<&str>) -> bool {
+    /// Whether the segment with this id is among them, of which `label` is known.
+    pub fn has(&self, id: u32, label: Option<&Label>) -> bool {
         match self {
             SegmentChoice::Id(own) => *own == id,
             SegmentChoice::Name(pattern) if pattern == "*" => id != 0,
             SegmentChoice::Name(pattern) => {
-                name.is_some_and(|name| matches(&pattern.to_lowercase(), &name.to_lowercase()))
+                let pattern = pattern.to_lowercase();
+                label.is_some_and(|label| matches(&pattern, &label.name.to_lowercase()))
             }
-            SegmentChoice::List(list) => list.iter().any(|choice| choice.has(id, name)),
+            SegmentChoice::List(list) => list.iter().any(|choice| choice.has(id, label)),
             SegmentChoice::But(AllBut { not }) => {
-                id != 0 && !not.iter().any(|choice| choice.has(id, name))
+                id != 0 && !not.iter().any(|choice| choice.has(id, label))
             }
+            SegmentChoice::Group(OfGroup { group }) => {
+                let of = label.and_then(|label| label.group.as_ref());
+                of.is_some_and(|of| of.to_lowercase() == group.to_lowercase())
+            }
+        }
+    }
+
+    /// Puts the members of `groups` in the place of their names. Names that are not there are of groups in the label file.
+    pub(crate) fn replace_groups(&mut self, groups: &BTreeMap<String, Vec<SegmentChoice>>) {
+        match self {
+            SegmentChoice::List(list) | SegmentChoice::But(AllBut { not: list }) => {
+                list.iter_mut()
+                    .for_each(|choice| choice.replace_groups(groups));
+            }
+            SegmentChoice::Group(OfGroup { group }) => {
+                let asked = group.to_lowercase();
+                let mut named = groups.iter();
+                if let Some((_, members)) = named.find(|(name, _)| name.to_lowercase() == asked) {
+                    *self = SegmentChoice::List(members.clone());
+                }
+            }
+            SegmentChoice::Id(_) | SegmentChoice::Name(_) => {}
         }
     }
 
@@ -118,10 +140,7 @@ impl SegmentChoice {
             // Whatever there is.
             SegmentChoice::Id(0) => {}
             choice => {
-                if !labels
-                    .segments()
-                    .any(|(id, label)| choice.has(id, label.map(|l| &*l.name)))
-                {
+                if !labels.segments().any(|(id, label)| choice.has(id, label)) {
                     found.push(choice);
                 }
             }
@@ -166,7 +185,7 @@ struct SettledScene<'u> {
 }
 
 impl<'u> SettledScene<'u> {
-    fn of(uses: &'u [SegmentUse], id: u32, name: Option<&str>) -> SettledScene<'u> {
+    fn of(uses: &'u [SegmentUse], id: u32, label: Option<&Label>) -> SettledScene<'u> {
         let mut settled = SettledScene {
             technique: SOLID,
             show: id != 0,
@@ -174,7 +193,7 @@ impl<'u> SettledScene<'u> {
             opacity: 1.0,
             importance: 0.0,
         };
-        for used in uses.iter().filter(|used| used.of.has(id, name)) {
+        for used in uses.iter().filter(|used| used.of.has(id, label)) {
             if let Some(technique) = &used.technique {
                 settled.technique = technique;
             }
@@ -192,7 +211,7 @@ impl<'u> SettledScene<'u> {
 pub(crate) fn techniques_of(uses: &[SegmentUse], labels: &LabelHeader) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for (id, label) in labels.segments() {
-        let settled = SettledScene::of(uses, id, label.map(|label| &*label.name));
+        let settled = SettledScene::of(uses, id, label);
         if settled.show && !names.iter().any(|name| name == settled.technique) {
             names.push(settled.technique.to_owned());
         }
@@ -246,7 +265,7 @@ pub(crate) fn plan(
     number: impl Fn(&str) -> Option<(usize, bool)>,
 ) -> Labelled {
     let look = |id: u32, label: Option<&Label>| {
-        let settled = SettledScene::of(uses, id, label.map(|label| &*label.name));
+        let settled = SettledScene::of(uses, id, label);
         let Some((technique, is_colored)) = number(settled.technique).filter(|_| settled.show)
         else {
             return SegmentLook::HIDDEN;
@@ -291,7 +310,7 @@ fn color_of(id: u32, label: Option<&Label>) -> Color {
 }
 
 /// What a person should know who has `uses` drawn of `labels`.
-pub fn segment_notes(uses: &[SegmentUse], labels: &LabelHeader) -> Vec<String> {
+pub(crate) fn notes(uses: &[SegmentUse], labels: &LabelHeader) -> Vec<String> {
     let mut notes = Vec::new();
     for (i, used) in uses.iter().enumerate() {
         let mut missing = Vec::new();
@@ -302,6 +321,13 @@ pub fn segment_notes(uses: &[SegmentUse], labels: &LabelHeader) -> Vec<String> {
                 SegmentChoice::Name(name) => {
                     let names = labels.labels.iter().map(|label| &*label.name);
                     (format!("the name {name:?}"), nearest(name, names))
+                }
+                SegmentChoice::Group(OfGroup { group }) => {
+                    let groups = labels
+                        .labels
+                        .iter()
+                        .flat_map(|label| label.group.as_deref());
+                    (format!("the group {group:?}"), nearest(group, groups))
                 }
                 SegmentChoice::List(_) | SegmentChoice::But(_) => continue,
             };
@@ -316,9 +342,7 @@ pub fn segment_notes(uses: &[SegmentUse], labels: &LabelHeader) -> Vec<String> {
 }
 
 fn shown(uses: &[SegmentUse], labels: &LabelHeader) -> usize {
-    let is_shown = |(id, label): &(u32, Option<&Label>)| {
-        SettledScene::of(uses, *id, label.map(|label| &*label.name)).show
-    };
+    let is_shown = |(id, label): &(u32, Option<&Label>)| SettledScene::of(uses, *id, *label).show;
     labels.segments().filter(is_shown).count()
 }
 
@@ -351,13 +375,13 @@ mod tests {
             r#"[{ "of": "*", "opacity": 0.2 }, { "of": ["L*", 9], "technique": "scene" }, { "of": 9, "show": false }]"#,
         )
         .unwrap();
-        let of = |id, name| SettledScene::of(&uses, id, name);
-        let liver = of(5, Some("liver"));
+        let of = |id, label: Option<&Label>| SettledScene::of(&uses, id, label);
+        let liver = of(5, Some(&Label::new(5, "liver")));
         assert_eq!(
             (liver.technique, liver.show, liver.opacity),
             (SCENE, true, 0.2)
         );
-        assert!(!of(9, None).show && !of(0, Some("air")).show);
+        assert!(!of(9, None).show && !of(0, Some(&Label::new(0, "air"))).show);
         let named = [SegmentUse {
             of: SegmentChoice::Id(0),
             technique: None,

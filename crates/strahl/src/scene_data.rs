@@ -11,7 +11,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use strahl_scene::{
-    Clip, Headers, LabelHeader, MaskClip, PresetInfo, Scene, VolumeSource, segment_notes,
+    Clip, Headers, LabelHeader, LabelSource, MaskClip, NamedMask, PresetInfo, Scene, VolumeSource,
+    segment_notes,
 };
 use strahl_shader::Module;
 use strahl_volume::read::ReadOptions;
@@ -82,7 +83,9 @@ impl SceneData {
             check_paths(scene, within)?;
         }
         // A file that says that it holds labels is not a scan, unless the scene says how its numbers are drawn.
-        let mut labels_in = scene.labels.as_ref().map(|labels| labels.path.clone());
+        let source = scene.labels.clone().unwrap_or_default();
+        source.check_itself()?;
+        let mut labels_in = source.path.clone();
         let preset = scene.preset.as_deref().and_then(PresetInfo::find);
         let of_segments = preset.is_some_and(|preset| preset.scene().segments.is_some());
         let draws_values = scene.method.is_some()
@@ -94,7 +97,8 @@ impl SceneData {
         let own = match own {
             OwnVolume::Volume(volume) => volume.clone(),
             OwnVolume::Phantom(phantom, dims) => {
-                if labels_in.is_none() && (scene.segments.is_some() || of_segments) {
+                let are_asked = scene.segments.is_some() || scene.labels.is_some() || of_segments;
+                if !source.has_data() && are_asked {
                     let labels = session.phantom_labels(phantom, dims, control)?;
                     data.labels = Option::clone(&labels);
                     data.held.push(labels);
@@ -106,12 +110,8 @@ impl SceneData {
                 let within = within.filter(|_| !is_given);
                 let reading = Reading { within, ..reading };
                 let read = session.volume(&paths, &options, within, control)?;
-                if let (true, false, None, [path]) = (
-                    read.value.labels.is_some(),
-                    draws_values,
-                    &labels_in,
-                    &paths[..],
-                ) {
+                let brings_labels = read.value.labels.is_some() && !source.has_data();
+                if let (true, false, [path]) = (brings_labels, draws_values, &paths[..]) {
                     labels_in = path.to_str().map(str::to_owned);
                 }
                 data.read_files(reading, &paths, &options)?
@@ -119,12 +119,12 @@ impl SceneData {
         };
         data.add_volume(reading, own, level)?;
         // Labels in a given file are given, too.
-        let is_given = is_given && scene.labels.is_none();
+        let is_given = is_given && !source.has_data();
         let of_labels = Reading {
             within: within.filter(|_| !is_given),
             ..reading
         };
-        data.load_labels(of_labels, scene, labels_in)?;
+        data.load_labels(of_labels, scene, &source, labels_in)?;
         for object in scene.objects.iter().flatten() {
             if let Some(source) = &object.volume {
                 let volume = data.read_volume(reading, source)?;
@@ -158,33 +158,44 @@ impl SceneData {
         Ok(data)
     }
 
-    /// The labels whose segments are drawn: those in the file `path`, if it is said.
+    /// The labels whose segments are drawn: those that `source` says, or those in the file `path`.
     fn load_labels(
         &mut self,
         reading: Reading,
         scene: &Scene,
+        source: &LabelSource,
         path: Option<String>,
     ) -> Result<(), Error> {
+        let Reading {
+            session, control, ..
+        } = reading;
         if let Some(path) = path {
-            let table = scene
-                .labels
-                .as_ref()
-                .and_then(|labels| labels.table.as_deref());
-            let read = self.read_labels(reading, &path, table)?;
+            let read = self.read_labels(reading, &path, source.table.as_deref())?;
             self.labels = Some(read.value.0.clone());
             self.held.push(read);
+        } else if let Some(masks) = &source.masks {
+            let read = self.read_masks(reading, masks)?;
+            self.labels = Some(read.value.0.clone());
+            self.held.push(read);
+        } else if let Some(layers) = &source.layers {
+            let made = session.layers(&self.volumes[0], layers, control)?;
+            self.labels = Some(LabelVolume::clone(&made));
+            self.held.push(made);
         }
         if let Some(labels) = &self.labels {
-            let uses = scene.segments.as_deref().unwrap_or(&[]);
-            self.notes.extend(segment_notes(uses, &labels.into()));
+            self.notes.extend(segment_notes(scene, &labels.into()));
         } else {
             for (key, is_set) in [
+                ("labels", scene.labels.is_some()),
                 ("techniques", scene.techniques.is_some()),
                 ("segments", scene.segments.is_some()),
                 ("composite", scene.composite.is_some()),
             ] {
                 if is_set {
-                    let note = format!("{key} has no effect without labels (key `labels`)");
+                    let note = match key {
+                        "labels" => "labels names no file, masks or layers, and the volume has none of its own".to_owned(),
+                        _ => format!("{key} has no effect without labels (key `labels`)"),
+                    };
                     self.notes.push(note);
                 }
             }
@@ -287,6 +298,21 @@ impl SceneData {
         let read = session.labels(path, table, within, control)?;
         let notes = read.value.1.iter().map(|note| format!("{path}: {note}"));
         self.notes.extend(notes);
+        Ok(read)
+    }
+
+    /// The label volume that `masks` make.
+    fn read_masks(
+        &mut self,
+        Reading {
+            session,
+            within,
+            control,
+        }: Reading,
+        masks: &[NamedMask],
+    ) -> Result<Arc<ReadLabels>, Error> {
+        let read = session.masks(masks, within, control)?;
+        self.notes.extend(read.value.1.iter().cloned());
         Ok(read)
     }
 

@@ -273,7 +273,8 @@ fn paths_of(scene: &mut Scene) -> Vec<&mut String> {
         paths.extend(object.mesh.as_mut());
     }
     if let Some(labels) = &mut scene.labels {
-        paths.push(&mut labels.path);
+        paths.extend(&mut labels.path);
+        paths.extend(labels.masks.iter_mut().flatten().map(|mask| &mut mask.path));
         paths.extend(&mut labels.table);
     }
     paths.extend(scene.clips.iter_mut().flatten().filter_map(Clip::mask_path));

@@ -4,6 +4,7 @@ use crate::Error;
 use crate::confinement::Confinement;
 #[cfg(feature = "gpu")]
 use crate::devices::Devices;
+use crate::folder::file_name;
 use crate::load::{FileState, load_label_table, load_seen};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -14,11 +15,14 @@ use std::{fs, io};
 use strahl_cpu::Pools;
 #[cfg(feature = "graph")]
 use strahl_evaluate::Evaluator;
+use strahl_scene::{NamedMask, ValueLayers};
 #[cfg(feature = "graph")]
 use strahl_volume::Datasets;
 use strahl_volume::read::mesh::LoadedMesh;
-use strahl_volume::read::{LoadedVolume, ReadOptions};
-use strahl_volume::{ContentId, Control, Counts, Key, LabelVolume, Phantom, Store, Volume};
+use strahl_volume::read::{LoadedVolume, ReadOptions, stem_of};
+use strahl_volume::{
+    ContentId, Control, Counts, Key, LabelVolume, MergedMasks, Metadata, Phantom, Store, Volume,
+};
 
 /// Draws scenes and keeps what the next picture needs too: the data of scenes, derived data,
 /// the graphics device, and thread pools. Several threads may use it at the same time.
@@ -196,6 +200,76 @@ impl Session {
         })
     }
 
+    /// The label volume that `masks` make, with notes.
+    pub(crate) fn masks(
+        &self,
+        masks: &[NamedMask],
+        within: Option<&Confinement>,
+        control: &Control,
+    ) -> Result<Arc<ReadLabels>, Error> {
+        let paths: Vec<PathBuf> = masks.iter().map(|mask| PathBuf::from(&mask.path)).collect();
+        let key = NamedMasksKey {
+            files: States::of(&paths)?,
+            masks: masks.to_vec(),
+        };
+        self.found(&key, control, || {
+            let (mut merged, mut seen, mut notes) = (None, Vec::new(), Vec::new());
+            let mut labels = Vec::new();
+            for (id, mask) in (1..).zip(masks) {
+                let path = &mask.path;
+                let paths = [PathBuf::from(path)];
+                // Only the ids are kept.
+                let options = ReadOptions::default();
+                let (loaded, opened) = load_seen(&paths, &options, within, control)?;
+                seen.extend(opened);
+                notes.extend(loaded.notes.iter().map(|note| format!("{path}: {note}")));
+                let volume = &loaded.volume;
+                let merged = match &mut merged {
+                    Some(merged) => merged,
+                    None => merged.insert(MergedMasks::new(volume.grid())?),
+                };
+                merged.add(volume, path, &masks[0].path)?;
+                labels.push(mask.label(id, stem_of(&file_name(&paths[0]))));
+            }
+            // A list without masks has been refused.
+            let Some(merged) = merged else {
+                return Err(Error::not_usable(Path::new(""), "no mask is named"));
+            };
+            if merged.overlaps() > 0 {
+                let overlaps = merged.overlaps();
+                notes.push(format!(
+                    "labels.masks: {overlaps} voxels are in several masks; the last one is kept"
+                ));
+            }
+            let volume = merged.into_volume(Metadata::default())?;
+            let labels = LabelVolume::from_volume(volume, labels)?;
+            Ok(Read {
+                value: (labels, notes),
+                seen,
+            })
+        })
+    }
+
+    /// The layers of the values of `volume`.
+    pub(crate) fn layers(
+        &self,
+        volume: &Volume,
+        layers: &ValueLayers,
+        control: &Control,
+    ) -> Result<Arc<LabelVolume>, Error> {
+        let key = LayersKey(volume.id(), layers.clone());
+        self.store.find(&key, control, || {
+            let thresholds = layers.thresholds(volume.statistics_under(control)?.range);
+            let labels = layers.labels();
+            Ok(LabelVolume::of_layers(
+                volume,
+                &thresholds,
+                labels,
+                control,
+            )?)
+        })
+    }
+
     /// The mask of some labels of the file `path`.
     pub(crate) fn mask(
         &self,
@@ -332,6 +406,35 @@ impl Key for LabelsKey {
 
     fn bytes(&self, value: &Self::Value) -> usize {
         value.value.0.grid().voxel_count()
+    }
+}
+
+#[derive(Clone, PartialEq)]
+struct NamedMasksKey {
+    files: States,
+    masks: Vec<NamedMask>,
+}
+
+impl Key for NamedMasksKey {
+    type Value = ReadLabels;
+
+    const NAME: &str = "labels of masks";
+
+    fn bytes(&self, value: &Self::Value) -> usize {
+        value.value.0.grid().voxel_count()
+    }
+}
+
+#[derive(Clone, PartialEq)]
+struct LayersKey(ContentId, ValueLayers);
+
+impl Key for LayersKey {
+    type Value = LabelVolume;
+
+    const NAME: &str = "layers of values";
+
+    fn bytes(&self, value: &LabelVolume) -> usize {
+        value.grid().voxel_count()
     }
 }
 

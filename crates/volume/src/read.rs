@@ -49,7 +49,7 @@ use watched::{Watched, uncancelled};
 
 pub(crate) use input::Input;
 pub use input::{Bytes, Files, MemoryFiles};
-pub use label_tables::read_label_table;
+pub use label_tables::{read_label_table, stem_of};
 pub use loaded::LoadedVolume;
 pub use options::{RawLayout, ReadOptions};
 

@@ -107,6 +107,78 @@ fn labels_clip_as_the_mask_of_them_does() {
     assert!(bytes(here, "a.png") == bytes(here, "again.png"));
 }
 
+/// Layers of values, masks of the same voxels and a label file of them draw the same picture, also by the names of groups.
+#[test]
+fn segments_need_no_label_file() {
+    let folder = folder_with_shells();
+    let here = folder.path();
+    let shells = shells();
+    let values = |from: f64, to: f64| {
+        let count = shells.grid().voxel_count();
+        let inside = (0..count).map(|i| {
+            let value = shells.rescale().value(shells.samples().get(i));
+            u8::from((from..to).contains(&value))
+        });
+        let samples = strahl::volume::Samples::U8(inside.collect());
+        let metadata = strahl::volume::Metadata::default();
+        let rescale = strahl::volume::Rescale::IDENTITY;
+        Volume::new(*shells.grid(), samples, rescale, metadata).unwrap()
+    };
+    let [low, high] = shells.statistics().range;
+    let [first, second] = [1.0, 2.0].map(|i| low + (high - low) * i / 3.0);
+    save(&values(first, second), here, "outer.nrrd");
+    save(&values(second, f64::INFINITY), here, "inner.nrrd");
+    let draw = |name: &str, labels: &str, of: &str| {
+        let text = format!(
+            r##"{{ "volume": {{ "path": "shells.nrrd" }}, "size": [40, 30], "labels": {{ {labels} }},
+                "segments": [{{ "of": {of}, "opacity": 0.3 }}] }}"##
+        );
+        fs::write(here.join("labels.json"), text).unwrap();
+        let run = run(here, &["render", "labels.json", "-o", name]);
+        assert_eq!(run.code, Some(0), "{}", run.err);
+        (decoded(&here.join(name)), run.err)
+    };
+    let (equal, said) = draw("equal.png", r#""layers": 3"#, r#""layer 1""#);
+    assert!(!said.contains("no segment"), "{said}");
+    let from = format!(r#""layers": [{first}, {{ "from": {second}, "name": "core" }}]"#);
+    assert!(equal == draw("from.png", &from, r#""layer 1""#).0);
+    let masks = r#""masks": [{ "path": "outer.nrrd", "name": "rim" }, { "path": "inner.nrrd" }]"#;
+    assert!(equal == draw("masks.png", masks, r#""rim""#).0);
+    let groups = format!(r#"{masks}, "groups": {{ "Outside": ["rim", 9] }}"#);
+    let (grouped, said) = draw("groups.png", &groups, r#"{ "group": "outside" }"#);
+    assert!(equal == grouped);
+    assert!(said.contains("no segment has the id 9"), "{said}");
+    let (other, said) = draw("other.png", masks, r#"{ "group": "outside" }"#);
+    assert!(equal != other);
+    assert!(
+        said.contains(r#"no segment has the group "outside""#),
+        "{said}"
+    );
+    // The picture knows its masks; as layers it is drawn by flags, too.
+    run_well(here, &["render", "masks.png", "-o", "again.png"]);
+    assert!(bytes(here, "masks.png") == bytes(here, "again.png"));
+    let by_flags = ["--layers", "3", "--only", "layer 2"];
+    let args = ["render", "shells.nrrd", "--size", "40x30"];
+    run_well(here, &[&args[..], &by_flags, &["-o", "flags.png"]].concat());
+    fs::write(
+        here.join("only.json"),
+        r#"{ "volume": { "path": "shells.nrrd" }, "size": [40, 30], "labels": { "layers": 3 },
+             "segments": [{ "of": 1, "show": false }] }"#,
+    )
+    .unwrap();
+    run_well(here, &["render", "only.json", "-o", "only.png"]);
+    assert!(decoded(&here.join("flags.png")) == decoded(&here.join("only.png")));
+    let wrong = run(
+        here,
+        &[&args[..], &["--layers", "a", "-o", "x.png"]].concat(),
+    );
+    assert!(
+        wrong.err.contains("--layers is \"a\"; allowed"),
+        "{}",
+        wrong.err
+    );
+}
+
 /// What flags say of segments is what a scene says, and what there is nothing of is said.
 #[test]
 fn flags_say_which_segments_are_drawn() {

@@ -124,7 +124,7 @@ pub(crate) fn add_beside(
 }
 
 /// The name of an image without its ending.
-pub(crate) fn stem_of(name: &str) -> &str {
+pub fn stem_of(name: &str) -> &str {
     let lower = name.to_ascii_lowercase();
     let packed = [".gz", ".bz2"].iter().find(|end| lower.ends_with(*end));
     let unpacked = &name[..name.len() - packed.map_or(0, |end| end.len())];

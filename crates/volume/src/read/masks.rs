@@ -3,11 +3,12 @@
 //! Masks hold zeros and one other number. In alphabetical order of the files they are the labels 1,
 //! 2, …; a voxel in several masks belongs to the last one. One mask is in memory at a time.
 
+use super::LoadedVolume;
 use super::label_tables::stem_of;
 use super::sniff::Kind;
-use super::{LoadedVolume, block};
 use crate::error::{Error, ErrorKind};
-use crate::{Grid, Label, Metadata, Rescale, Sample, Samples, Volume, with_samples};
+use crate::made_labels::MergedMasks;
+use crate::{Label, Metadata};
 
 /// Those of the volume files of a folder that can be masks, by their kinds.
 pub(super) fn among(volumes: &[(String, Kind)]) -> Vec<String> {
@@ -28,39 +29,25 @@ pub(super) fn read(
     read_volume: &dyn Fn(&str) -> Result<LoadedVolume, Error>,
     instead: &str,
 ) -> Result<LoadedVolume, Error> {
-    const MOST: usize = u16::MAX as usize;
-    if names.len() > MOST {
-        let allowed = format!("up to {MOST}");
-        return Err(Error::field("the number of masks", names.len(), allowed));
-    }
     let mut notes = Vec::new();
     let mut labels = Vec::new();
-    let mut all: Option<(Grid, Metadata, Vec<u16>)> = None;
-    let mut overlaps = 0;
+    let mut all: Option<(Metadata, MergedMasks)> = None;
     for (i, name) in names.iter().enumerate() {
-        let id = i as u16 + 1;
         let mask = read_volume(name)?;
         notes.extend(mask.notes.iter().map(|note| format!("{name}: {note}")));
-        let (grid, samples, rescale, metadata) = mask.volume.into_parts();
-        let (first, _, ids) = match &mut all {
+        let mask = mask.volume;
+        let (_, merged) = match &mut all {
             Some(all) => all,
-            None => {
-                let mut ids = Vec::new();
-                block::reserve(&mut ids, grid.voxel_count())?;
-                ids.resize(grid.voxel_count(), 0);
-                all.insert((grid, metadata, ids))
-            }
+            None => all.insert((mask.metadata().clone(), MergedMasks::new(mask.grid())?)),
         };
-        if !first.matches(&grid, 0.1 * first.min_spacing_mm()) {
-            return Err(other_grid(name, &names[0], &grid, first));
-        }
-        let added = with_samples!(&samples, samples => add(samples, rescale, id, ids));
-        overlaps += added.map_err(|[one, two]| no_mask(name, instead, one, two))?;
-        labels.push(Label::new(id.into(), stem_of(name)));
+        let added = merged.add_or_values(&mask, name, &names[0])?;
+        added.map_err(|[one, two]| no_mask(name, instead, one, two))?;
+        labels.push(Label::new(i as u32 + 1, stem_of(name)));
     }
-    let Some((grid, metadata, ids)) = all else {
+    let Some((metadata, merged)) = all else {
         return Err(Error::field("the number of masks", 0, "1 or more"));
     };
+    let overlaps = merged.overlaps();
     if overlaps > 0 {
         let what = format!("{overlaps} voxels are in several masks");
         notes.push(format!(
@@ -82,44 +69,11 @@ pub(super) fn read(
         time_points: 1,
         ..Metadata::default()
     };
-    let samples = match names.len() <= usize::from(u8::MAX) {
-        true => Samples::U8(ids.into_iter().map(|id| id as u8).collect()),
-        false => Samples::U16(ids),
-    };
     Ok(LoadedVolume {
-        volume: Volume::new(grid, samples, Rescale::IDENTITY, metadata)?,
+        volume: merged.into_volume(metadata)?,
         labels: Some(labels),
         notes,
     })
-}
-
-/// Sets the id of the voxels in a mask. Returns how many had another one, or two different values
-/// that are not 0.
-fn add<T: Sample>(
-    samples: &[T],
-    rescale: Rescale,
-    id: u16,
-    ids: &mut [u16],
-) -> Result<u64, [f64; 2]> {
-    let mut inside = None;
-    let mut overlaps = 0;
-    let mut at = 0;
-    for run in samples.chunk_by(|a, b| a == b) {
-        let ids = &mut ids[at..at + run.len()];
-        at += run.len();
-        let value = rescale.value(run[0].to_f64());
-        if value == 0.0 {
-            continue;
-        }
-        let inside = *inside.get_or_insert(value);
-        // NaN is not equal to itself.
-        if value != inside || value.is_nan() {
-            return Err([inside, value]);
-        }
-        overlaps += ids.iter().filter(|id| **id != 0).count() as u64;
-        ids.fill(id);
-    }
-    Ok(overlaps)
 }
 
 fn no_mask(name: &str, instead: &str, one: f64, two: f64) -> Error {
@@ -129,17 +83,4 @@ fn no_mask(name: &str, instead: &str, one: f64, two: f64) -> Error {
     };
     let why = format!("{instead}; {name} is no mask: it {why}");
     ErrorKind::Unknown { why }.into()
-}
-
-fn other_grid(name: &str, first: &str, grid: &Grid, other: &Grid) -> Error {
-    let describe = |grid: &Grid| {
-        let [x, y, z] = grid.dims();
-        let affine = crate::grid::rows(&grid.world_from_voxel());
-        format!("{x}×{y}×{z} voxels, world_from_voxel {affine}")
-    };
-    Error::field(
-        format!("the grid of {name}"),
-        describe(grid),
-        format!("the grid of {first}: {}", describe(other)),
-    )
 }
