@@ -9,6 +9,7 @@ mod counts;
 mod packet;
 mod projection;
 mod ray_history;
+mod ray_memory;
 mod runs;
 mod segments;
 mod through_labels;
@@ -19,6 +20,7 @@ mod through_voxels;
 pub use counts::Counts;
 pub use packet::Seen;
 pub use projection::RunBounds;
+pub use ray_memory::RayMemory;
 
 use crate::lanes::LANES;
 use crate::levels::{Level, Portable, vectorized};
@@ -39,9 +41,10 @@ impl<S: Level> Scenery<'_, S> {
         &self,
         rays: &RayPacket<S>,
         of_runs: &mut RunBounds<S>,
+        memory: &mut RayMemory<S>,
         counts: &mut Counts,
     ) -> Seen {
-        let mut packet = Packet::new(self, rays);
+        let mut packet = Packet::new(self, rays, memory);
         match (self.objects.as_slice(), self.composite) {
             _ if self.segments.is_some() => packet.advance(),
             // All of the lattice at once: where extreme values are likely first.
@@ -63,11 +66,12 @@ impl<S: Level> Scenery<'_, S> {
         rays: &RayPacket<S>,
         interval: &Range<u32>,
         states: &mut [RayState; LANES],
+        memory: &mut RayMemory<S>,
     ) {
         vectorized::<S, _>(
             #[inline(always)]
             || {
-                let mut packet = Packet::new(self, rays);
+                let mut packet = Packet::new(self, rays, memory);
                 packet.resume(states, interval);
                 packet.advance();
                 packet.store(states);
@@ -81,9 +85,10 @@ impl<S: Level> Scenery<'_, S> {
         &self,
         rays: &RayPacket<S>,
         states: &[RayState; LANES],
+        memory: &mut RayMemory<S>,
         counts: &mut Counts,
     ) -> Seen {
-        let mut packet = Packet::new(self, rays);
+        let mut packet = Packet::new(self, rays, memory);
         packet.resume(states, &(0..0));
         packet.end(counts);
         packet.finish()

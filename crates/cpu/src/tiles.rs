@@ -3,7 +3,7 @@
 use crate::error::Error;
 use crate::lanes::{LANES, PACKET};
 use crate::levels::{Level, vectorized};
-use crate::march::{Counts, RunBounds};
+use crate::march::{Counts, RayMemory, RunBounds};
 use crate::raster::Raster;
 use crate::ray_packet::RayPacket;
 use crate::ray_state::RayState;
@@ -150,7 +150,7 @@ fn draw_tile<S: Level>(
 ) -> Counts {
     let mut counts = Counts::default();
     let mut rays = RayPacket::empty(scenery.plan.layers.len());
-    let mut of_runs = RunBounds::none();
+    let (mut of_runs, mut memory) = (RunBounds::none(), RayMemory::none());
     let (width, height) = (tile.rows[0].len(), tile.rows.len());
     let [x0, y0] = tile.corner;
     let end = [(x0 + width) as u32, (y0 + height) as u32];
@@ -166,10 +166,10 @@ fn draw_tile<S: Level>(
                 }
                 rays.aim(scenery, raster, corner, end, frame);
                 let seen = match states {
-                    None => scenery.march(&rays, &mut of_runs, &mut counts),
+                    None => scenery.march(&rays, &mut of_runs, &mut memory, &mut counts),
                     Some(states) => {
                         let states = states.of_packet(corner, end, frame);
-                        scenery.seen(&rays, &states, &mut counts)
+                        scenery.seen(&rays, &states, &mut memory, &mut counts)
                     }
                 };
                 if frame == 0 && !tile.depth_rows.is_empty() {
@@ -205,6 +205,7 @@ fn march_tile<S: Level>(
 ) {
     let frames = scenery.plan.lattice.frames as usize;
     let mut rays = RayPacket::empty(scenery.plan.layers.len());
+    let mut memory = RayMemory::none();
     let (width, height) = (rows[0].len() / frames, rows.len());
     let end = [(x0 + width) as u32, (y0 + height) as u32];
     for y in (0..height).step_by(PACKET[1]) {
@@ -222,7 +223,7 @@ fn march_tile<S: Level>(
                         *state = row[(x + column) * frames + frame];
                     }
                 }
-                scenery.march_through(&rays, interval, &mut states);
+                scenery.march_through(&rays, interval, &mut states, &mut memory);
                 for (row, states) in rows[y..y + lines].iter_mut().zip(states.chunks(PACKET[0])) {
                     for (column, state) in states[..columns].iter().enumerate() {
                         row[(x + column) * frames + frame] = *state;

@@ -2,6 +2,7 @@
 
 use super::counts::Counts;
 use super::ray_history::RayHistory;
+use super::ray_memory::RayMemory;
 use super::runs::Runs;
 use crate::lanes::{F32s, LANES, Mask, Vec3s, each, lanes, to_rows};
 use crate::levels::{Level, inlined, vectorized};
@@ -35,9 +36,8 @@ pub(super) struct Packet<'s, S: Level> {
     pub(super) end: F32s<S>,
     /// See [`RayStrides::last_alpha`](crate::strides::StridesAlong::last_alpha).
     pub(super) last_alpha: F32s<S>,
-    pub(super) look_back: RayHistory<S>,
-    /// Where the Plan has segments.
-    pub(super) runs: Runs<S>,
+    pub(super) look_back: &'s mut RayHistory<S>,
+    pub(super) runs: &'s mut Runs<S>,
     pub(super) sampled: F32s<S>,
     pub(super) visible: F32s<S>,
     pub(super) skipped: F32s<S>,
@@ -46,7 +46,12 @@ pub(super) struct Packet<'s, S: Level> {
 impl<'s, S: Level> Packet<'s, S> {
     /// Rays before their first lattice point, to be moved to their ends.
     #[inline(always)]
-    pub(super) fn new(scenery: &'s Scenery<'s, S>, rays: &'s RayPacket<S>) -> Packet<'s, S> {
+    pub(super) fn new(
+        scenery: &'s Scenery<'s, S>,
+        rays: &'s RayPacket<S>,
+        memory: &'s mut RayMemory<S>,
+    ) -> Packet<'s, S> {
+        memory.clear(scenery);
         Packet {
             scenery,
             rays,
@@ -56,8 +61,8 @@ impl<'s, S: Level> Packet<'s, S> {
             begin: F32s::zero(),
             end: F32s::splat(NEVER),
             last_alpha: F32s::zero(),
-            look_back: RayHistory::none(),
-            runs: Runs::none(),
+            look_back: &mut memory.look_back,
+            runs: &mut memory.runs,
             sampled: F32s::zero(),
             visible: F32s::zero(),
             skipped: F32s::zero(),
@@ -130,7 +135,7 @@ impl<'s, S: Level> Packet<'s, S> {
             values: [before, begin, end],
             gradient: [gx, gy, gz],
             known,
-        } = &mut self.look_back;
+        } = &mut *self.look_back;
         let Runs {
             segment,
             technique,
@@ -140,7 +145,7 @@ impl<'s, S: Level> Packet<'s, S> {
             number: seen_runs,
             place: hit_place,
             has_place,
-        } = &mut self.runs;
+        } = &mut *self.runs;
         [
             &mut self.k,
             r,

@@ -143,7 +143,7 @@ impl<S: Level> Packet<'_, S> {
         let last = zero.lt(rays.tail).select(rays.count, rays.count - one);
         let neighbours = ends_in_neighbours(line);
         let (mut k, stop) = (self.k, self.end);
-        let mut window = Window::new(&self.look_back, k);
+        let mut window = Window::new(self.look_back, k);
         let has_segments = match shown {
             Shown::InParts(..) => zero.lt(rays.count),
             // A ray between two lattice points is a segment as well.
@@ -195,7 +195,7 @@ impl<S: Level> Packet<'_, S> {
             k = live.select(next, k);
             live = live & k.le(last) & k.lt(stop) & !self.done();
         }
-        self.look_back = window.look_back(k);
+        *self.look_back = window.look_back(k);
         self.k = k;
     }
 

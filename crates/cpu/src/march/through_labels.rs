@@ -179,7 +179,7 @@ impl<S: Level> Packet<'_, S> {
         let colour = each!([0, 1, 2], |channel| run.colour[channel] * factor(channel));
         let alpha = run.alpha * factor(3);
         let importance = F32s::from_array(lanes(|i| segments.importance(of_runs[i])));
-        let runs = &mut self.runs;
+        let runs = &mut *self.runs;
         if has_depth {
             let first = of & zero.lt(run.alpha) & runs.has_place.eq(zero);
             runs.place = first.select(run.place, runs.place);
