@@ -1,7 +1,7 @@
 //! `cargo xtask ci`: all that a submission must pass. Every step runs, even after one failed.
 
 use crate::command::{cargo, succeeds};
-use crate::{suite, tidy};
+use crate::{suite, third_party, tidy};
 use anyhow::Result;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -47,6 +47,9 @@ pub fn run(root: &Path) -> Result<bool> {
         succeeds(cargo(root).args(check).arg("--no-default-features"))
     })?;
     steps.run("what a browser needs", || for_browsers(root))?;
+    steps.run("licenses", || {
+        third_party::run(root, &third_party::Arguments::default())
+    })?;
     steps.run("documentation", || {
         succeeds(
             cargo(root)

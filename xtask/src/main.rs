@@ -1,4 +1,5 @@
-//! The project's own commands: `cargo xtask test | tidy | ci | gallery | oracle | fuzz | mutate-runs | same-bytes | bench-…`.
+//! The project's own commands: `cargo xtask test | tidy | ci | gallery | oracle | fuzz | mutate-runs | same-bytes | third-party |
+//! bench-…`.
 
 mod apt;
 mod bench;
@@ -12,6 +13,7 @@ mod oracle;
 mod python;
 mod same_bytes;
 mod suite;
+mod third_party;
 mod tidy;
 
 use anyhow::Result;
@@ -64,6 +66,8 @@ enum Task {
     SameBytes(same_bytes::Arguments),
     /// Runs the command line with files that were damaged at random, each in little memory and time.
     MutateRuns(mutate_runs::Arguments),
+    /// Checks the licenses of the crates that the programs contain, and the page that lists them.
+    ThirdParty(third_party::Arguments),
     /// Throws hostile files at the readers (needs a nightly toolchain and cargo-fuzz).
     Fuzz {
         /// The reader, such as `nrrd`; all one after another if not said.
@@ -100,6 +104,7 @@ fn main() -> Result<ExitCode> {
         Task::BenchScenes(arguments) => bench::scenes::run(&root, &arguments)?,
         Task::SameBytes(arguments) => same_bytes::run(&root, &arguments)?,
         Task::MutateRuns(arguments) => mutate_runs::run(&root, &arguments)?,
+        Task::ThirdParty(arguments) => third_party::run(&root, &arguments)?,
         Task::Fuzz { target, seconds } => fuzz::run(&root, target.as_deref(), seconds)?,
     };
     Ok(if passed {
