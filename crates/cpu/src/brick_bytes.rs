@@ -2,7 +2,7 @@
 
 use crate::brick_number::{EDGE, brick_number};
 use crate::clipped::{ClippedBricks, ClippedBricksKey};
-use crate::lanes::{I32s, words};
+use crate::lanes::{I32s, words_inside};
 use crate::levels::Level;
 use crate::making::Making;
 use std::sync::Arc;
@@ -86,7 +86,6 @@ impl BrickBytes {
     #[inline(always)]
     pub fn at<S: Level>(&self, cell: [I32s<S>; 3]) -> I32s<S> {
         let index = brick_number(self.dims, cell);
-        // SAFETY: the cell lies in one of the bricks, and there are three bytes behind the last.
-        unsafe { words(&self.bytes, index) }.and(0xFF)
+        words_inside(&self.bytes, index).and(0xFF)
     }
 }

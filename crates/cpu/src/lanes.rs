@@ -308,6 +308,18 @@ pub unsafe fn words<S: Level>(bytes: &[u8], offsets: I32s<S>) -> I32s<S> {
     }))
 }
 
+/// The same at the nearest offsets at which words lie inside `bytes`: of whatever grid a caller's cells are.
+///
+/// # Panics
+/// If there are fewer than four bytes.
+#[inline(always)]
+pub fn words_inside<S: Level>(bytes: &[u8], offsets: I32s<S>) -> I32s<S> {
+    let last = bytes.len().checked_sub(4).expect("a word at least");
+    let last = i32::try_from(last).unwrap_or(i32::MAX);
+    // SAFETY: 0 to the last offset at which four bytes follow.
+    unsafe { words(bytes, offsets.max(0).min(last)) }
+}
+
 impl<S: Level> I32s<S> {
     /// The same number in every lane.
     #[inline(always)]

@@ -7,7 +7,7 @@
 //! kernels whose weights add up to 1. Bricks have bounds of all that.
 
 use crate::brick_number::{EDGE, brick_number};
-use crate::lanes::{F32s, I32s, Mask, Vec3s, words};
+use crate::lanes::{F32s, I32s, Mask, Vec3s, words_inside};
 use crate::levels::{Level, inlined, vectorized};
 use crate::library::classify::IntervalVisibility;
 use crate::library::composite::visible_values::VisibleValues;
@@ -184,9 +184,8 @@ impl Rejection {
             || {
                 let shape = values.shape();
                 let index = brick_number(self.dims, shape.cell(shape.clamp(position)));
-                // SAFETY: the cell lies in the volume, and so does its brick.
-                let bends: I32s<S> =
-                    unsafe { words(bytemuck::cast_slice(&self.bends.words), index.shifted_up(2)) };
+                let words = bytemuck::cast_slice(&self.bends.words);
+                let bends: I32s<S> = words_inside(words, index.shifted_up(2));
                 let least = bends.shifted_up(16).as_bits();
                 let most = bends.and(0xFFFF_0000_u32 as i32).as_bits();
                 let linear = values.linear(position);

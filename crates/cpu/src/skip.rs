@@ -5,7 +5,7 @@
 
 use crate::brick_number::{EDGE, SHIFT, brick_number, brick_number_of};
 use crate::clipped::{ClippedBricks, ClippedBricksKey};
-use crate::lanes::{F32s, I32s, LANES, Vec3s, each, words};
+use crate::lanes::{F32s, I32s, LANES, Vec3s, each, words_inside};
 use crate::levels::Level;
 use crate::library::fetch::Shape;
 use crate::line::{Line, points_to_face};
@@ -48,8 +48,7 @@ impl<S: Level> Cubes<'_, S> {
     #[inline(always)]
     pub fn at(&self, cell: [I32s<S>; 3]) -> I32s<S> {
         let index = brick_number(self.dims, cell) + self.octant;
-        // SAFETY: the cell lies in one of the bricks, and there are three bytes behind the last.
-        unsafe { words(self.cubes, index) }.and(0xFF)
+        words_inside(self.cubes, index).and(0xFF)
     }
 
     /// How many lattice points, that at `position` in `cell` included, lie in a cube of an edge of at least 1.
@@ -151,8 +150,7 @@ impl Bounds {
         ];
         let cell = shape.cell(shape.clamp(lowest));
         let index = brick_number_of(self.dims, self.shift, cell);
-        // SAFETY: the cell lies in the volume, and so does its brick; there is one number behind the last.
-        let words = unsafe { words(bytemuck::cast_slice(&self.largest), index.shifted_up(1)) };
+        let words = words_inside(bytemuck::cast_slice(&self.largest), index.shifted_up(1));
         words.shifted_up(16).as_bits()
     }
 }

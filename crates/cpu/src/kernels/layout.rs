@@ -152,7 +152,7 @@ impl<S: Level> Fetch<S> for Blocks<'_> {
     }
 
     #[inline(always)]
-    fn fetch(&self, voxel: [I32s<S>; 3]) -> F32s<S> {
+    unsafe fn fetch(&self, voxel: [I32s<S>; 3]) -> F32s<S> {
         let [x, y, z] = [
             self.parts(voxel[0], 0)[0],
             self.parts(voxel[1], 1)[0],
@@ -162,7 +162,7 @@ impl<S: Level> Fetch<S> for Blocks<'_> {
     }
 
     #[inline(always)]
-    fn corners(&self, cell: [I32s<S>; 3]) -> Corners<S> {
+    unsafe fn corners(&self, cell: [I32s<S>; 3]) -> Corners<S> {
         let x = self.parts(cell[0], 0);
         let y = self.parts(cell[1], 1);
         let z = self.parts(cell[2], 2);

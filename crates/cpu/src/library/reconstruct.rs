@@ -184,7 +184,8 @@ impl<S: Level, F: Fetch<S>> Values<S> for Reconstruction<F> {
             #[inline(always)]
             || {
                 let shape = self.fetch.shape();
-                self.rescaled(self.fetch.fetch(shape.clamp_voxel(voxel)))
+                // SAFETY: clamped to the grid.
+                self.rescaled(unsafe { self.fetch.fetch(shape.clamp_voxel(voxel)) })
             },
         )
     }

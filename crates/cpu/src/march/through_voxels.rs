@@ -192,7 +192,9 @@ impl<S: Level> Packet<'_, S> {
                 here.clamped[1] - here.cell[1].to_f32s(),
                 here.clamped[2] - here.cell[2].to_f32s(),
             ];
-            let value = object.rescaled(trilinear::between(voxels.corners(here.cell), part));
+            // SAFETY: `shape` is that of the voxels.
+            let corners = unsafe { voxels.corners(here.cell) };
+            let value = object.rescaled(trilinear::between(corners, part));
             self.sampled += seeing.select(one, F32s::zero());
             // What is not finite is no value.
             let sampled = seeing & value.is_finite();

@@ -43,8 +43,8 @@ impl<'p> Table<'p> {
     #[inline(always)]
     pub fn at<S: Level>(&self, value: F32s<S>) -> Surface<S> {
         let (index, part) = self.place(value);
-        // SAFETY: the index is that of the last entry but one at most: `max` and `min` leave no other
-        // value, not even for NaN.
+        // SAFETY: a table has two entries at least, and the index is that of the last but one at most:
+        // `max` and `min` leave no other value, not even for NaN.
         let [below, above] = unsafe { row_pairs(self.entries, index) };
         let is_number: Mask<S> = value.eq(value);
         let channel = inlined(

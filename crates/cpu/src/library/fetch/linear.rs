@@ -140,7 +140,7 @@ impl<S: Level, T: Sample> Fetch<S> for Linear<'_, T> {
     }
 
     #[inline(always)]
-    fn fetch(&self, voxel: [I32s<S>; 3]) -> F32s<S> {
+    unsafe fn fetch(&self, voxel: [I32s<S>; 3]) -> F32s<S> {
         let last_word = size_of_val(self.samples) as i64 - 4;
         if self.is_gathered {
             let offset = self.offset(voxel);
@@ -153,7 +153,7 @@ impl<S: Level, T: Sample> Fetch<S> for Linear<'_, T> {
     }
 
     #[inline(always)]
-    fn corners(&self, cell: [I32s<S>; 3]) -> Corners<S> {
+    unsafe fn corners(&self, cell: [I32s<S>; 3]) -> Corners<S> {
         let [dx, dy, dz] = self.shape.across;
         let bytes = |stride: usize| stride as i32 * Self::SIZE;
         if self.is_gathered && dx == 1 {
@@ -185,7 +185,7 @@ impl<S: Level, T: Sample> Fetch<S> for Linear<'_, T> {
     }
 
     #[inline(always)]
-    fn four(&self, voxel: [I32s<S>; 3]) -> Option<[F32s<S>; 4]> {
+    unsafe fn four(&self, voxel: [I32s<S>; 3]) -> Option<[F32s<S>; 4]> {
         if !self.is_gathered {
             return None;
         }
@@ -194,7 +194,7 @@ impl<S: Level, T: Sample> Fetch<S> for Linear<'_, T> {
     }
 
     #[inline(always)]
-    fn surroundings(&self, cell: [I32s<S>; 3]) -> Option<Surroundings<S>> {
+    unsafe fn surroundings(&self, cell: [I32s<S>; 3]) -> Option<Surroundings<S>> {
         let [_, row, slice] = each!(self.shape.stride, |stride| stride as i32 * Self::SIZE);
         if !self.is_gathered || self.shape.last_cell.iter().any(|&last| last < 2) {
             return None;

@@ -20,7 +20,7 @@ impl<S: Level> Fetch<S> for MarschnerLobb {
 
     /// Lane by lane.
     #[inline(never)]
-    fn fetch(&self, voxel: [I32s<S>; 3]) -> F32s<S> {
+    unsafe fn fetch(&self, voxel: [I32s<S>; 3]) -> F32s<S> {
         F32s::from_array(lanes(|i| {
             let voxel = each!(voxel, |axis| axis.lane(i) as usize);
             let [x, y, z] = [0, 1, 2].map(|axis: usize| {

@@ -67,7 +67,7 @@ impl<S: Level> Fetch<S> for Noise {
 
     /// Lane by lane.
     #[inline(never)]
-    fn fetch(&self, voxel: [I32s<S>; 3]) -> F32s<S> {
+    unsafe fn fetch(&self, voxel: [I32s<S>; 3]) -> F32s<S> {
         F32s::from_array(lanes(|i| {
             self.at(each!(voxel, |axis| axis.lane(i) as usize))
         }))

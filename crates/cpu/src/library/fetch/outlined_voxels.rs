@@ -26,23 +26,27 @@ impl<S: Level> Fetch<S> for OutlinedVoxels<'_, S> {
     }
 
     #[inline(always)]
-    fn fetch(&self, voxel: [I32s<S>; 3]) -> F32s<S> {
-        self.voxels.fetch(voxel)
+    unsafe fn fetch(&self, voxel: [I32s<S>; 3]) -> F32s<S> {
+        // SAFETY: as the caller promises.
+        unsafe { self.voxels.fetch(voxel) }
     }
 
     #[inline(always)]
-    fn corners(&self, cell: [I32s<S>; 3]) -> Corners<S> {
-        self.voxels.corners(cell)
+    unsafe fn corners(&self, cell: [I32s<S>; 3]) -> Corners<S> {
+        // SAFETY: as the caller promises.
+        unsafe { self.voxels.corners(cell) }
     }
 
     #[inline(always)]
-    fn four(&self, voxel: [I32s<S>; 3]) -> Option<[F32s<S>; 4]> {
-        self.voxels.four(voxel)
+    unsafe fn four(&self, voxel: [I32s<S>; 3]) -> Option<[F32s<S>; 4]> {
+        // SAFETY: as the caller promises.
+        unsafe { self.voxels.four(voxel) }
     }
 
     #[inline(always)]
-    fn surroundings(&self, cell: [I32s<S>; 3]) -> Option<Surroundings<S>> {
-        self.voxels.surroundings(cell)
+    unsafe fn surroundings(&self, cell: [I32s<S>; 3]) -> Option<Surroundings<S>> {
+        // SAFETY: as the caller promises.
+        unsafe { self.voxels.surroundings(cell) }
     }
 }
 
@@ -54,31 +58,35 @@ impl<S: Level, F: Fetch<S>> Fetch<S> for OutlinedFetch<F> {
         self.0.shape()
     }
 
-    fn fetch(&self, voxel: [I32s<S>; 3]) -> F32s<S> {
+    unsafe fn fetch(&self, voxel: [I32s<S>; 3]) -> F32s<S> {
         vectorized::<S, _>(
             #[inline(always)]
-            || self.0.fetch(voxel),
+            // SAFETY: as the caller promises.
+            || unsafe { self.0.fetch(voxel) },
         )
     }
 
-    fn corners(&self, cell: [I32s<S>; 3]) -> Corners<S> {
+    unsafe fn corners(&self, cell: [I32s<S>; 3]) -> Corners<S> {
         vectorized::<S, _>(
             #[inline(always)]
-            || self.0.corners(cell),
+            // SAFETY: as the caller promises.
+            || unsafe { self.0.corners(cell) },
         )
     }
 
-    fn four(&self, voxel: [I32s<S>; 3]) -> Option<[F32s<S>; 4]> {
+    unsafe fn four(&self, voxel: [I32s<S>; 3]) -> Option<[F32s<S>; 4]> {
         vectorized::<S, _>(
             #[inline(always)]
-            || self.0.four(voxel),
+            // SAFETY: as the caller promises.
+            || unsafe { self.0.four(voxel) },
         )
     }
 
-    fn surroundings(&self, cell: [I32s<S>; 3]) -> Option<Surroundings<S>> {
+    unsafe fn surroundings(&self, cell: [I32s<S>; 3]) -> Option<Surroundings<S>> {
         vectorized::<S, _>(
             #[inline(always)]
-            || self.0.surroundings(cell),
+            // SAFETY: as the caller promises.
+            || unsafe { self.0.surroundings(cell) },
         )
     }
 }

@@ -8,37 +8,52 @@ pub trait Fetch<S: Level>: Sync {
     /// The size of the grid.
     fn shape(&self) -> &Shape;
 
-    /// The stored numbers of voxels, which lie inside the grid.
-    fn fetch(&self, voxel: [I32s<S>; 3]) -> F32s<S>;
+    /// The stored numbers of voxels.
+    ///
+    /// # Safety
+    /// In every lane the voxel lies inside the grid that [`shape`](Self::shape) is of.
+    unsafe fn fetch(&self, voxel: [I32s<S>; 3]) -> F32s<S>;
 
     /// The stored numbers at the corners of cells.
+    ///
+    /// # Safety
+    /// In every lane the cell is one of that grid: 0 to [`Shape::last_cell`] along each axis.
     #[inline(always)]
-    fn corners(&self, cell: [I32s<S>; 3]) -> Corners<S> {
+    unsafe fn corners(&self, cell: [I32s<S>; 3]) -> Corners<S> {
         let [dx, dy, dz] = each!(self.shape().across, |stride| i32::from(stride > 0));
         let pair = inlined(
             #[inline(always)]
             |y: i32, z: i32| {
                 let [x, y, z] = [cell[0], cell[1] + I32s::splat(y), cell[2] + I32s::splat(z)];
-                [
-                    self.fetch([x, y, z]),
-                    self.fetch([x + I32s::splat(dx), y, z]),
-                ]
+                // SAFETY: the corners of a cell of the grid lie inside it; `across` is 0 where they are one voxel.
+                unsafe {
+                    [
+                        self.fetch([x, y, z]),
+                        self.fetch([x + I32s::splat(dx), y, z]),
+                    ]
+                }
             },
         );
         [pair(0, 0), pair(dy, 0), pair(0, dz), pair(dy, dz)]
     }
 
-    /// The stored numbers of four voxels in a row along x, the first of which is `voxel`; all lie inside the grid. `None`
-    /// where voxels have to be fetched one by one.
+    /// The stored numbers of four voxels in a row along x, the first of which is `voxel`. `None` where voxels have to be
+    /// fetched one by one.
+    ///
+    /// # Safety
+    /// In every lane all four lie inside the grid.
     #[inline(always)]
-    fn four(&self, _voxel: [I32s<S>; 3]) -> Option<[F32s<S>; 4]> {
+    unsafe fn four(&self, _voxel: [I32s<S>; 3]) -> Option<[F32s<S>; 4]> {
         None
     }
 
     /// The stored numbers of the voxels one further out along each axis, too, of cells that are not at
     /// the border; `None` where voxels have to be fetched one by one.
+    ///
+    /// # Safety
+    /// In every lane the cell is 1 to [`Shape::last_cell`] − 1 along each axis.
     #[inline(always)]
-    fn surroundings(&self, _cell: [I32s<S>; 3]) -> Option<Surroundings<S>> {
+    unsafe fn surroundings(&self, _cell: [I32s<S>; 3]) -> Option<Surroundings<S>> {
         None
     }
 }

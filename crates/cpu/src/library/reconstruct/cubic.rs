@@ -29,14 +29,18 @@ pub fn cubic<S: Level, F: Fetch<S>>(
         #[inline(always)]
         |y: usize, z: usize| {
             let (y_tap, z_tap) = (taps[y][1], taps[z][2]);
-            let numbers = match row_along_x.numbers(fetch, y_tap, z_tap) {
+            // SAFETY: taps are clamped to the grid of `shape`, for which the row was made.
+            let numbers = match unsafe { row_along_x.numbers(fetch, y_tap, z_tap) } {
                 Some(numbers) => numbers,
-                None => [
-                    fetch.fetch([taps[0][0], y_tap, z_tap]),
-                    fetch.fetch([taps[1][0], y_tap, z_tap]),
-                    fetch.fetch([taps[2][0], y_tap, z_tap]),
-                    fetch.fetch([taps[3][0], y_tap, z_tap]),
-                ],
+                // SAFETY: taps are clamped to the grid.
+                None => unsafe {
+                    [
+                        fetch.fetch([taps[0][0], y_tap, z_tap]),
+                        fetch.fetch([taps[1][0], y_tap, z_tap]),
+                        fetch.fetch([taps[2][0], y_tap, z_tap]),
+                        fetch.fetch([taps[3][0], y_tap, z_tap]),
+                    ]
+                },
             };
             sum(numbers, weights[0])
         },
@@ -82,9 +86,17 @@ impl<S: Level> RowAlongX<S> {
         }
     }
 
+    /// # Safety
+    /// The row is of the shape of `fetch`, and `y` and `z` lie inside its grid.
     #[inline(always)]
-    fn numbers<F: Fetch<S>>(&self, fetch: &F, y: I32s<S>, z: I32s<S>) -> Option<[F32s<S>; 4]> {
-        let [a, b, c, d] = fetch.four([self.first?, y, z])?;
+    unsafe fn numbers<F: Fetch<S>>(
+        &self,
+        fetch: &F,
+        y: I32s<S>,
+        z: I32s<S>,
+    ) -> Option<[F32s<S>; 4]> {
+        // SAFETY: as the caller promises; along x there are two cells behind the first one at least.
+        let [a, b, c, d] = unsafe { fetch.four([self.first?, y, z]) }?;
         if self.is_inside {
             return Some([a, b, c, d]);
         }

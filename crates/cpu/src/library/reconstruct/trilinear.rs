@@ -14,7 +14,8 @@ pub fn stored<S: Level, F: Fetch<S>>(fetch: &F, position: Vec3s<S>) -> F32s<S> {
         clamped[1] - cell[1].to_f32s(),
         clamped[2] - cell[2].to_f32s(),
     ];
-    between(fetch.corners(cell), part)
+    // SAFETY: a cell of the shape of these voxels.
+    between(unsafe { fetch.corners(cell) }, part)
 }
 
 /// Between corners, at the place `part` of the way along each axis.
@@ -66,7 +67,8 @@ pub fn differences<S: Level, F: Fetch<S>>(
     // The others look at the second cell.
     let second = I32s::splat(1);
     cell = each!(cell, |cell| inside.select_i32s(cell, second));
-    let around = fetch.surroundings(cell)?;
+    // SAFETY: `inside` is 1 to the last cell but one, and the second cell is: each axis has three cells at least.
+    let around = unsafe { fetch.surroundings(cell) }?;
     let row = inlined(
         #[inline(always)]
         |[lower, upper]: [F32s<S>; 2]| lower.lerp(upper, part[0]),
