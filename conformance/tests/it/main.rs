@@ -9,6 +9,7 @@ mod formulas;
 mod goldens;
 mod gpu;
 mod graph;
+mod keys;
 mod metamorphic;
 mod orientation;
 mod parameters;

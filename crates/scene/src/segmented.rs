@@ -109,6 +109,12 @@ pub fn segment_notes(scene: &Scene, labels: &LabelHeader) -> Vec<String> {
     segments::notes(&with_members(uses, scene), labels)
 }
 
+/// The names of the techniques that draw a segment of `labels`, in the order in which the Plan of the scene has them.
+pub(crate) fn technique_names(scene: &Scene, labels: &LabelHeader) -> Vec<String> {
+    let (_, uses) = merged(scene);
+    segments::techniques_of(&uses, labels)
+}
+
 /// The lights of a scene that is lit by nothing but its segments.
 fn default_lights(scene: &Scene, headers: &Headers, plan: &Plan) -> Vec<PlanLight> {
     let lit = Scene {

@@ -1,6 +1,7 @@
 //! What a user should know about a picture.
 
 use std::fmt;
+use strahl_scene::WithoutEffect;
 
 /// Something worth knowing about a picture that is not an error.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -18,6 +19,13 @@ pub enum Note {
         /// The adapter, with its driver.
         adapter: String,
     },
+    /// A key of the scene that changes nothing of the picture.
+    WithoutEffect(WithoutEffect),
+    /// The picture shows nothing but its background.
+    Empty {
+        /// Possible reasons; empty if none is known.
+        why: Vec<String>,
+    },
     /// The program of a graph was evaluated on the CPU.
     GraphEvaluated,
     /// The program of a function that has no implementation for the CPU was evaluated there.
@@ -34,6 +42,14 @@ impl fmt::Display for Note {
             Note::NoGraphics { why } => write!(f, "drawn on the CPU: {why}"),
             Note::SoftwareAdapter { adapter } => {
                 write!(f, "{adapter} is a software renderer: it draws on the CPU")
+            }
+            Note::WithoutEffect(key) => key.fmt(f),
+            Note::Empty { why } => {
+                f.write_str("the picture shows nothing but its background")?;
+                match why.is_empty() {
+                    true => Ok(()),
+                    false => write!(f, ": {}", why.join("; ")),
+                }
             }
             Note::GraphEvaluated => {
                 f.write_str("the graph was evaluated on the CPU, which is exact but slow")

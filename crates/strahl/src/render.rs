@@ -17,8 +17,9 @@ use strahl_cpu::Options;
 #[cfg(feature = "gpu")]
 use strahl_gpu::TextureTarget;
 use strahl_scene::{
-    Background, Camera, Clip, Image, Method, Scene, Stats, TransferFunction, View, VolumeSource,
-    plan, resolve_with, settled_with,
+    Background, Camera, Clip, Headers, Image, Method, Rendered, Scene, Stats, TransferFunction,
+    View, VolumeSource, WithoutEffect, keys_without_effect, plan, resolve_with, settled_with,
+    why_nothing_is_seen,
 };
 use strahl_volume::read::ReadOptions;
 use strahl_volume::{Control, Phantom, Volume};
@@ -58,6 +59,8 @@ pub struct Render<'a> {
     scene_path: Option<PathBuf>,
     options: Options,
     with_depth: bool,
+    /// Whether every key of the scene is set, as in pictures.
+    is_complete: bool,
     backend: Backend,
     control: Control,
     show: Option<ShowStage<'a>>,
@@ -150,6 +153,7 @@ impl<'a> Render<'a> {
     pub fn scene_file(file: SceneFile) -> Render<'a> {
         Render {
             scene_path: Some(file.path),
+            is_complete: file.software.is_some(),
             confinement: file.confinement,
             ..Render::new(Source::Scene, file.scene)
         }
@@ -162,6 +166,7 @@ impl<'a> Render<'a> {
             scene_path: None,
             options: Options::default(),
             with_depth: false,
+            is_complete: false,
             backend: Backend::default(),
             control: Control::NONE,
             show: None,
@@ -320,8 +325,9 @@ impl<'a> Render<'a> {
             self.show,
             control,
         )?;
-        let of_data = data.notes.into_iter().map(Note::Data);
-        let notes = of_data.chain(drawn.notes).collect();
+        let mut notes = self.notes(&scene, &plan, &headers, data.notes);
+        notes.extend(drawn.notes);
+        notes.extend(of_emptiness(&drawn.rendered, &plan, &headers));
         Ok(Picture {
             image: drawn.rendered.image,
             depth_mm: drawn.rendered.depth_mm,
@@ -359,10 +365,34 @@ impl<'a> Render<'a> {
         Ok(ShownPicture {
             display: plan.display,
             scene: settled_with(&scene, &headers),
-            notes: data.notes.into_iter().map(Note::Data).collect(),
+            notes: self.notes(&scene, &plan, &headers, data.notes),
             stats,
             drawn_by,
         })
+    }
+
+    /// Notes of the data and of the keys of the scene.
+    fn notes(
+        &self,
+        scene: &Scene,
+        plan: &plan::Plan,
+        headers: &Headers,
+        of_data: Vec<String>,
+    ) -> Vec<Note> {
+        let mut notes: Vec<Note> = of_data.into_iter().map(Note::Data).collect();
+        // Where every key is set, those are too that have no effect.
+        if !self.is_complete {
+            let keys = keys_without_effect(scene, plan, headers);
+            notes.extend(keys.into_iter().map(Note::WithoutEffect));
+        }
+        if self.with_depth && scene.graph.is_none() && !has_depth(plan) {
+            let method = plan.technique().composite.function().word;
+            notes.push(Note::WithoutEffect(WithoutEffect {
+                key: "depth".into(),
+                why: format!("{method} finds no surface, and there is no mesh"),
+            }));
+        }
+        notes
     }
 
     /// The scene that would be drawn, with every default filled in. Reads the volume and draws
@@ -494,6 +524,36 @@ impl<'a> Render<'a> {
     fn checked<T>(&self, result: Result<T, strahl_scene::Problems>) -> Result<T, Error> {
         result.map_err(|problems| Error::from(problems).of_scene(&self.scene_path))
     }
+}
+
+/// Whether something of a picture has a distance.
+fn has_depth(plan: &plan::Plan) -> bool {
+    let reports = |technique: &plan::Technique| {
+        let text = technique.composite.function().text;
+        text.contains("report_hit(")
+    };
+    !plan.meshes.is_empty()
+        || !plan.modules.is_empty()
+        || plan.labelled().is_some()
+        || plan.drawn_techniques().any(reports)
+}
+
+/// A note if the picture shows nothing but its background.
+fn of_emptiness(rendered: &Rendered, plan: &plan::Plan, headers: &Headers) -> Option<Note> {
+    let pixels = rendered.image.pixels();
+    let first = *pixels.first()?;
+    // All are the color of the background, bit by bit, as nothing was added to it.
+    let is_background = match plan.background[3] {
+        0.0 => first[3] == 0.0,
+        _ => {
+            let image = Image::from_pixels(1, 1, vec![plan.background]);
+            image.into_linear(plan.compositing).pixels()[0] == first
+        }
+    };
+    let is_empty = is_background && pixels.iter().all(|pixel| *pixel == first);
+    is_empty.then(|| Note::Empty {
+        why: why_nothing_is_seen(plan, headers),
+    })
 }
 
 /// The session that a picture is drawn in.

@@ -104,7 +104,8 @@ fn draw(
             path.display()
         );
     }
-    let mut subject = over(subject, flags)?;
+    let mut sets_display = false;
+    let mut subject = over(subject, flags)?.with(|scene| sets_display = scene.display.is_some());
     if file.depth {
         subject = subject.with_depth();
     }
@@ -166,6 +167,12 @@ fn draw(
             Some(remedy) => print::note(&format!("{note}; {remedy}"), quiet),
             None => print::note(&note.to_string(), quiet),
         }
+    }
+    if sets_display && !matches!(encoding, Encoding::Png8 | Encoding::Png16) {
+        print::note(
+            "display changes nothing: EXR files hold linear light",
+            quiet,
+        );
     }
     let total_seconds = start.elapsed().as_secs_f64();
     if !quiet {

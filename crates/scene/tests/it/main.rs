@@ -1,6 +1,7 @@
 //! Tests of the crate as its users see it.
 
 mod camera;
+mod emptiness;
 mod parse;
 mod problems;
 mod random;

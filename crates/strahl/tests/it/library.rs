@@ -33,6 +33,51 @@ fn memory_and_file_give_the_same_picture() {
     assert_eq!(from_memory.scene.volume, None);
 }
 
+/// The notes of a picture of the shells, whose values are 0 to 1.
+fn notes(text: &str) -> String {
+    let scene = Scene::parse("scene", text).unwrap();
+    let picture = Render::volume(&shells())
+        .with(|own| *own = scene)
+        .size(24, 20)
+        .with_depth()
+        .picture()
+        .unwrap();
+    let notes: Vec<_> = picture.notes.iter().map(ToString::to_string).collect();
+    notes.join("\n")
+}
+
+#[test]
+fn what_changes_nothing_is_noted() {
+    let mida = notes(r#"{ "method": "mida", "threshold": 0.3 }"#);
+    assert_eq!(
+        mida,
+        "threshold changes nothing: mida does not use it\n\
+         depth changes nothing: mida finds no surface, and there is no mesh"
+    );
+    assert_eq!(notes(r#"{ "method": "first-hit", "threshold": 0.3 }"#), "");
+}
+
+#[test]
+fn empty_pictures_are_noted() {
+    let above = notes(r#"{ "method": "first-hit", "threshold": 7 }"#);
+    assert!(
+        above.contains("shows nothing but its background: the threshold 7"),
+        "{above}"
+    );
+    for background in ["#000", "#fff", "#8a3a2a", "transparent"] {
+        let text = format!(
+            r##"{{ "method": "first-hit", "background": "{background}", "compositing": "display",
+                "camera": {{ "position": [0, 90, 0], "focus": [0, 180, 0] }} }}"##
+        );
+        assert!(
+            notes(&text).contains("no ray meets a volume"),
+            "{background}"
+        );
+        let seen = format!(r##"{{ "method": "first-hit", "background": "{background}" }}"##);
+        assert_eq!(notes(&seen), "");
+    }
+}
+
 #[test]
 fn what_is_built_is_drawn() {
     let volume = shells();
