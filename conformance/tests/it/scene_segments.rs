@@ -118,6 +118,10 @@ fn what_does_not_go_together_is_refused_by_name() {
             "techniques.t.blend is 0.5",
         ),
         (
+            r#"{ "techniques": { "t": { "functions": { "gradient": { "module": "sobel" } } } }, "segments": [{ "of": 1, "technique": "t" }] }"#,
+            "techniques.t.functions.gradient is given for a technique; allowed: classify",
+        ),
+        (
             r#"{ "sampling": { "rule": "refine" } }"#,
             r#"sampling is "refine" with segments of labels"#,
         ),

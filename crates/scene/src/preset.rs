@@ -24,7 +24,7 @@ macro_rules! preset {
     };
 }
 
-static PRESETS: [PresetInfo; 13] = [
+static PRESETS: [PresetInfo; 16] = [
     preset!(
         "ct-bone",
         "CT: bone and contrast agent, without soft tissue"
@@ -55,6 +55,18 @@ static PRESETS: [PresetInfo; 13] = [
     preset!(
         "context",
         "volumes with labels: solid bones, everything else as a ghost around them"
+    ),
+    preset!(
+        "atlas",
+        "volumes with labels: every segment in its color with darker contours, on paper"
+    ),
+    preset!(
+        "anatomy",
+        "volumes with labels: solid bones, vessels, organs in a ghost of skin and muscle"
+    ),
+    preset!(
+        "angio-over-bone",
+        "volumes with labels: vessels seen through bones, nothing else"
     ),
     preset!("mip", "any volume: largest value of each ray"),
     preset!(

@@ -22,7 +22,7 @@ pub(crate) fn with_segments(
     headers: &Headers,
     checker: &mut Checker,
 ) -> Option<Plan> {
-    let (techniques, uses) = merged(scene);
+    let (techniques, uses, composite) = merged(scene);
     let (techniques, uses) = (&techniques, &uses[..]);
     segments::check(
         scene.segments.as_deref().unwrap_or(&[]),
@@ -68,10 +68,7 @@ pub(crate) fn with_segments(
     if is_lit && plan.lights.is_empty() && scene.lights.is_none() {
         plan.lights = default_lights(scene, headers, &plan);
     }
-    plan.global_rule = match scene
-        .composite
-        .unwrap_or(SegmentComposite::EmissionAbsorption)
-    {
+    plan.global_rule = match composite.unwrap_or(SegmentComposite::EmissionAbsorption) {
         SegmentComposite::EmissionAbsorption => plan.global_rule,
         SegmentComposite::Mip => GlobalRule::Mip,
         SegmentComposite::Average => GlobalRule::Average,
@@ -87,15 +84,23 @@ pub(crate) fn with_segments(
     Some(plan)
 }
 
-/// The techniques of the preset and those of the scene; the uses of the preset, then those of the scene, which count more.
-fn merged(scene: &Scene) -> (BTreeMap<String, SegmentTechnique>, Vec<SegmentUse>) {
+/// The techniques of the preset and those of the scene; the uses of the preset, then those of the scene, which count more; how
+/// runs become a pixel.
+fn merged(
+    scene: &Scene,
+) -> (
+    BTreeMap<String, SegmentTechnique>,
+    Vec<SegmentUse>,
+    Option<SegmentComposite>,
+) {
     let preset = scene.preset.as_deref().and_then(PresetInfo::find);
     let preset = preset.map(PresetInfo::scene).unwrap_or_default();
     let mut techniques = preset.techniques.unwrap_or_default();
     techniques.extend(scene.techniques.clone().unwrap_or_default());
     let mut uses = preset.segments.unwrap_or_default();
     uses.extend(scene.segments.clone().unwrap_or_default());
-    (techniques, with_members(&uses, scene))
+    let composite = scene.composite.or(preset.composite);
+    (techniques, with_members(&uses, scene), composite)
 }
 
 fn with_members(uses: &[SegmentUse], scene: &Scene) -> Vec<SegmentUse> {
@@ -208,6 +213,15 @@ fn measure_by_membership(technique: &mut Technique, said: &SegmentTechnique, ste
     }
 }
 
+/// The slots whose functions belong to a technique.
+const SLOTS_OF_TECHNIQUES: [&str; 5] = [
+    "classify",
+    "gradient_input",
+    "illuminate",
+    "shade",
+    "composite",
+];
+
 /// The technique called `name` of `scene`; what is wrong stands under its keys.
 fn planned(
     said: &SegmentTechnique,
@@ -216,6 +230,16 @@ fn planned(
     headers: &Headers,
     checker: &mut Checker,
 ) -> Option<Technique> {
+    for slot in said.functions.iter().flat_map(BTreeMap::keys) {
+        if !SLOTS_OF_TECHNIQUES.contains(&slot.as_str()) {
+            let allowed = format!(
+                "{}; other functions are those of the scene",
+                SLOTS_OF_TECHNIQUES.join(", ")
+            );
+            let path = format!("techniques.{name}.functions.{slot}");
+            checker.add(path, "given for a technique", &allowed);
+        }
+    }
     let mut own = Checker::default();
     let plan = plan_of(&scene_of(said, scene), headers, &mut own);
     let keys = [

@@ -1,7 +1,7 @@
 //! Slot illuminate: the light that a surface sends to the eye from one light.
 //!
 //! All vectors have length 1. Diffuse parts are multiplied by the surface colour, highlights are
-//! white; there is nothing where the light comes from behind.
+//! white; there is nothing where the light comes from behind, except for `tone`, whose tones have colors of their own.
 
 mod surface;
 
@@ -47,6 +47,16 @@ pub fn illuminate<S: Level>(
         cosine,
     };
     let (diffuse, highlight) = parts(model, &surface);
+    if let Illuminate::Tone {
+        diffuse: share,
+        cool,
+        warm,
+        ..
+    } = model
+    {
+        let tint = tone::tint(&surface, share, cool, warm);
+        return each!([0, 1, 2], |c| radiance[c] * (diffuse * color[c] + tint[c]));
+    }
     let highlight = lit.select(highlight, F32s::zero());
     each!([0, 1, 2], |c| {
         radiance[c] * (diffuse * color[c] + highlight)
