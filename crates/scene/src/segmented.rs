@@ -116,7 +116,7 @@ pub fn segment_notes(scene: &Scene, labels: &LabelHeader) -> Vec<String> {
 
 /// The names of the techniques that draw a segment of `labels`, in the order in which the Plan of the scene has them.
 pub(crate) fn technique_names(scene: &Scene, labels: &LabelHeader) -> Vec<String> {
-    let (_, uses) = merged(scene);
+    let (_, uses, _) = merged(scene);
     segments::techniques_of(&uses, labels)
 }
 
