@@ -11,6 +11,7 @@ use strahl_conformance::agreement::agreement;
 use strahl_conformance::device;
 use strahl_evaluate::Evaluator;
 use strahl_scene::plan::*;
+use strahl_scene::transfer::TransferTable;
 use strahl_shader::Linker;
 use strahl_volume::{Control, Datasets, Grid, LabelVolume, Metadata, Rescale, Samples, Volume};
 
@@ -473,6 +474,59 @@ fn all_renderers_draw_segments_by_their_techniques() {
         let gpu = renderer.render(&plan, &Control::NONE).unwrap();
         let apart = agreement(&cpu.image, &gpu.image);
         assert!(apart.psnr_db >= 45.0, "on the GPU: {apart:?} {what}");
+    }
+}
+
+#[test]
+fn the_ends_of_a_table_show_nothing_of_the_next_one() {
+    let (volume, _, mut plan) = halves();
+    let range = volume.statistics().range.map(|end| end as f32);
+    let (near, far) = (
+        0.4 * range[0] + 0.6 * range[1],
+        0.3 * range[0] + 0.7 * range[1],
+    );
+    // Most values lie beyond the tables, which are side by side in memory.
+    let opaque = |color: [f32; 3]| {
+        let [r, g, b] = color;
+        TransferTable::new([near, far], 1.0, vec![[r, g, b, 1.0]; 3])
+    };
+    plan.techniques[0].shade = Shade::Unlit;
+    plan.techniques[0].table = opaque([1.0, 0.0, 0.0]);
+    plan.techniques = vec![plan.techniques[0].clone(); 3];
+    plan.techniques[1].table = opaque([0.0, 1.0, 0.0]);
+    plan.techniques[2].table = opaque([0.0, 0.0, 1.0]);
+    let thirds = labels(*volume.grid(), |place| match place.x {
+        x if x < -2.0 => 1,
+        x if x < 3.0 => 2,
+        _ => 3,
+    });
+    segmented(
+        &mut plan,
+        &thirds,
+        &[(1, Some(0)), (2, Some(1)), (3, Some(2))],
+    );
+    let data = data(&volume, &thirds);
+    let mut drawn = vec![("CPU", draw(data.clone(), &plan).image)];
+    let here = Evaluator::new(data.clone()).render(&plan, &Control::NONE);
+    drawn.push(("evaluator", here.unwrap().image));
+    if let Some(device) = device() {
+        let mut renderer = strahl_gpu::Renderer::new(device, data.clone());
+        drawn.push(("GPU", renderer.render(&plan, &Control::NONE).unwrap().image));
+    }
+    for (renderer, image) in drawn {
+        let mut shown = [0; 3];
+        for [r, g, b, a] in image.pixels().iter().filter(|pixel| pixel[3] > 0.0) {
+            let color = [r, g, b].map(|channel| *channel > 0.0);
+            let one = color.iter().filter(|is_shown| **is_shown).count() == 1;
+            assert!(one, "{renderer}: {:?}", [r, g, b, a]);
+            for (number, is_shown) in shown.iter_mut().zip(color) {
+                *number += usize::from(is_shown);
+            }
+        }
+        assert!(
+            shown.iter().all(|number| *number > 20),
+            "{renderer}: {shown:?}"
+        );
     }
 }
 

@@ -242,6 +242,16 @@ fn flags_say_which_segments_are_drawn() {
         "{}",
         without.err
     );
+    let of_preset = [
+        "render",
+        "shells.nrrd",
+        "-o",
+        "w.png",
+        "--preset",
+        "anatomy",
+    ];
+    let err = run(here, &[&of_preset[..], &["--size", "8x8"]].concat()).err;
+    assert!(err.contains("the preset anatomy draws segments"), "{err}");
     // The picture knows what was typed.
     run_well(here, &["render", "only.png", "-o", "again.png"]);
     assert!(bytes(here, "only.png") == bytes(here, "again.png"));

@@ -93,6 +93,38 @@ mod tests {
     }
 
     #[test]
+    fn lambert_is_a_mix_of_the_color_and_its_darkening() {
+        // Of a share p: N·L + (1 − p − N·L·(1 − p)) = (1 − p) + p·N·L, on both sides of the surface.
+        for (p, cosine) in [
+            (0.0, 0.6),
+            (0.25, 0.6),
+            (0.25, 0.0),
+            (0.8, 1.0),
+            (1.0, 0.28),
+        ] {
+            for side in [1.0, -1.0] {
+                let lights = [Light::Directional {
+                    to_light: [(1.0 - cosine * cosine as f32).sqrt(), 0.0, cosine],
+                    radiance: [1.0; 3],
+                }];
+                let place = Place {
+                    gradient: || splat3([0.0, 0.0, side]),
+                    place_mm: || splat3([0.0; 3]),
+                    to_eye: splat3([0.0, 0.0, 1.0]),
+                };
+                let model = Illuminate::Lambert { diffuse: p };
+                let all = F32s::<Portable>::zero().le(F32s::zero());
+                let surface = splat3([0.5, 0.25, 1.0]);
+                let mut last = [F32s::zero(); 3];
+                let lit = colour(&lights, model, 1.0 - p, surface, &place, all, &mut last);
+                let factor = cosine + (1.0 - p - cosine * (1.0 - p));
+                let expected = [0.5, 0.25, 1.0].map(|c| c * factor);
+                close(lit.map(|c| c.lane(0)), expected);
+            }
+        }
+    }
+
+    #[test]
     fn light_from_behind_leaves_the_ambient_part() {
         close(
             shade_first([0.0, 0.0, 1.0], [0.0, 0.0, -1.0]),
