@@ -42,13 +42,13 @@ mod tests {
     #[test]
     fn towards_the_light_is_warm_and_away_from_it_cool() {
         for (z, share, tones) in [
-            (1.0, 0.6, [0.4, 0.4, 0.0]),
+            (1.0f32, 0.6, [0.4, 0.4, 0.0]),
             (0.0, 0.4, [0.2, 0.2, 0.15]),
             (-1.0, 0.2, [0.0, 0.0, 0.3]),
         ] {
             let surface = Surface::<Portable> {
                 normal: splat3([0.0, 0.0, 1.0]),
-                to_light: splat3([(1.0 - z * z as f32).sqrt(), 0.0, z]),
+                to_light: splat3([(1.0 - z * z).sqrt(), 0.0, z]),
                 to_eye: splat3([0.0, 0.0, 1.0]),
                 cosine: F32s::splat(z.max(0.0)),
             };

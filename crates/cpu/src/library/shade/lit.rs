@@ -96,7 +96,7 @@ mod tests {
     fn lambert_is_a_mix_of_the_color_and_its_darkening() {
         // Of a share p: N·L + (1 − p − N·L·(1 − p)) = (1 − p) + p·N·L, on both sides of the surface.
         for (p, cosine) in [
-            (0.0, 0.6),
+            (0.0, 0.6f32),
             (0.25, 0.6),
             (0.25, 0.0),
             (0.8, 1.0),
@@ -104,7 +104,7 @@ mod tests {
         ] {
             for side in [1.0, -1.0] {
                 let lights = [Light::Directional {
-                    to_light: [(1.0 - cosine * cosine as f32).sqrt(), 0.0, cosine],
+                    to_light: [(1.0 - cosine * cosine).sqrt(), 0.0, cosine],
                     radiance: [1.0; 3],
                 }];
                 let place = Place {
