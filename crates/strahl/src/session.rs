@@ -405,7 +405,7 @@ impl Key for LabelsKey {
     const NAME: &str = "labels";
 
     fn bytes(&self, value: &Self::Value) -> usize {
-        value.value.0.grid().voxel_count()
+        value.value.0.byte_count()
     }
 }
 
@@ -421,7 +421,7 @@ impl Key for NamedMasksKey {
     const NAME: &str = "labels of masks";
 
     fn bytes(&self, value: &Self::Value) -> usize {
-        value.value.0.grid().voxel_count()
+        value.value.0.byte_count()
     }
 }
 
@@ -434,7 +434,7 @@ impl Key for LayersKey {
     const NAME: &str = "layers of values";
 
     fn bytes(&self, value: &LabelVolume) -> usize {
-        value.grid().voxel_count()
+        value.byte_count()
     }
 }
 
@@ -477,9 +477,7 @@ impl Key for PhantomLabelsKey {
     const NAME: &str = "labels of phantoms";
 
     fn bytes(&self, value: &Self::Value) -> usize {
-        value
-            .as_ref()
-            .map_or(0, |labels| labels.grid().voxel_count())
+        value.as_ref().map_or(0, LabelVolume::byte_count)
     }
 }
 

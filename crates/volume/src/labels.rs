@@ -101,6 +101,15 @@ impl LabelVolume {
         &self.ids
     }
 
+    /// Memory that the ids take, in bytes.
+    pub fn byte_count(&self) -> usize {
+        match &*self.ids {
+            LabelIds::U8(ids) => size_of_val(&ids[..]),
+            LabelIds::U16(ids) => size_of_val(&ids[..]),
+            LabelIds::U32(ids) => size_of_val(&ids[..]),
+        }
+    }
+
     /// The named objects, in the order of the file.
     pub fn labels(&self) -> &[Label] {
         &self.labels
