@@ -23,7 +23,7 @@ pub struct Camera {
     /// Orbit: the side from which the volume is seen at the start.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub view: Option<View>,
-    /// Orbit: raises the camera from its start view, −89.9 to 89.9.
+    /// Orbit: raises the camera from its start view, −90 to 90.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub elevation_deg: Option<f64>,
     /// Orbit: turns the raised camera about the up direction of the start view; positive is to
@@ -208,15 +208,16 @@ pub(crate) enum Place {
 }
 
 impl Camera {
-    /// The camera that this means for a volume of this header; keys that do not go together are problems.
+    /// The camera that this means for a scene whose own volume has this header and that lies in `grid`; keys that do
+    /// not go together are problems.
     pub(crate) fn settled(
         &self,
         header: &VolumeHeader,
+        grid: &Grid,
         size: [u32; 2],
         checker: &mut Checker,
     ) -> SettledCamera {
         self.check_together(checker);
-        let grid = &header.grid;
         let projection = match self.projection.unwrap_or(Projection::Perspective) {
             Projection::Perspective => SettledProjection::Perspective {
                 view_angle_deg: self.view_angle_deg.unwrap_or(VIEW_ANGLE_DEG),
@@ -417,7 +418,7 @@ impl SettledCamera {
                 checker.number(
                     "camera.elevation_deg",
                     elevation_deg,
-                    Within::Closed(-89.9, 89.9),
+                    Within::Closed(-90.0, 90.0),
                 );
                 checker.number(
                     "camera.azimuth_deg",
@@ -426,11 +427,8 @@ impl SettledCamera {
                 );
                 let turn = view.turned(elevation_deg, azimuth_deg);
                 let distance = bounding_radius_mm(grid) / self.half_angle(aspect(size)).sin();
-                (
-                    focus + turn * distance,
-                    view.axes().1,
-                    "camera.elevation_deg",
-                )
+                let up = view.up(elevation_deg, azimuth_deg);
+                (focus + turn * distance, up, "camera.elevation_deg")
             }
         };
         if checker.problems.len() > before {
@@ -508,6 +506,16 @@ impl View {
         let right = up.cross(towards_eye);
         let raised = DQuat::from_axis_angle(-right, elevation_deg.to_radians()) * towards_eye;
         DQuat::from_axis_angle(up, azimuth_deg.to_radians()) * raised
+    }
+
+    /// The up direction of such a camera: that of the start view. A camera that looks along that takes the direction
+    /// that is up just before.
+    fn up(self, elevation_deg: f64, azimuth_deg: f64) -> DVec3 {
+        if elevation_deg.abs() <= 89.9 {
+            return self.axes().1;
+        }
+        let further = self.turned(elevation_deg + 90.0, azimuth_deg);
+        further.normalize_or_zero()
     }
 }
 

@@ -1,11 +1,12 @@
 //! How the samples of a ray become a pixel: from what a scene says to the Plan's [`Composite`].
 
-use crate::plan::Composite;
+use crate::camera::SettledCamera;
+use crate::plan::{Composite, Projection};
 use crate::problem::{Checker, Within};
 use crate::transfer_function::SettledWindow;
-use crate::window::{automatic_threshold, steep_per_mm, value_range};
+use crate::window::{automatic_threshold, round_to_width, steep_per_mm, value_range};
 use crate::{DebugView, Method, Scene};
-use strahl_volume::VolumeHeader;
+use strahl_volume::{Grid, VolumeHeader};
 
 /// A method or debug view, with a number for everything, also for what it does not ask for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,12 +25,14 @@ pub(crate) struct SettledComposite {
 }
 
 impl SettledComposite {
-    /// What `scene` says, then what its quality and its preset do, then the defaults. `framed` is around everything.
+    /// What `scene` says, then what its quality and its preset do, then the defaults.
     pub fn new(
         scene: &Scene,
         [quality, preset]: [&Scene; 2],
         method: Method,
-        [header, framed]: [&VolumeHeader; 2],
+        header: &VolumeHeader,
+        steep_per_mm: f64,
+        view: &DepthView,
         checker: &mut Checker,
     ) -> SettledComposite {
         if scene.blend.is_some() && !method.has("blend") {
@@ -53,7 +56,7 @@ impl SettledComposite {
             },
             grey_range: scene
                 .grey_range
-                .unwrap_or_else(|| automatic_grey_range(debug, header, framed)),
+                .unwrap_or_else(|| automatic_grey_range(debug, steep_per_mm, view)),
             early_termination: scene.early_termination.unwrap_or(1.0 / 256.0),
         }
     }
@@ -114,7 +117,7 @@ impl SettledComposite {
             "low" => low,
             "high" => high,
             "white" | "white_per_mm" => f64::from(span),
-            "full_per_mm" => (0.5 * steep_per_mm(header)).max(1e-30),
+            "full_per_mm" => (0.5 * steep_per_mm(header, None)).max(1e-30),
             "near_mm" => black,
             "far_mm" => white,
             other => function.map_or(0.0, |function| function.default_of(other)),
@@ -148,18 +151,50 @@ impl SettledComposite {
 }
 
 /// What is black and what is white where a number is shown as grey.
-fn automatic_grey_range(
-    debug: Option<DebugView>,
-    header: &VolumeHeader,
-    framed: &VolumeHeader,
-) -> [f64; 2] {
+fn automatic_grey_range(debug: Option<DebugView>, steep_per_mm: f64, view: &DepthView) -> [f64; 2] {
     match debug {
         Some(DebugView::SampleCount) => [0.0, 1000.0],
-        // From the near to the far side of what the camera frames, about its usual distance.
-        Some(DebugView::Depth) => {
-            let (lo, hi) = framed.grid.bounds_mm();
-            [0.0, 4.0 * lo.distance(hi)]
+        Some(DebugView::Depth) => view.depths_mm(),
+        _ => [0.0, steep_per_mm],
+    }
+}
+
+/// What depths depend on.
+pub(crate) struct DepthView<'v> {
+    pub camera: &'v SettledCamera,
+    pub framed: &'v Grid,
+    pub size: [u32; 2],
+}
+
+impl DepthView<'_> {
+    /// From the near to the far side of everything, along the rays.
+    fn depths_mm(&self) -> [f64; 2] {
+        let (lo, hi) = self.framed.bounds_mm();
+        // What is wrong with the camera is said elsewhere.
+        let plan = (self.camera).plan(self.framed, self.size, &mut Checker::default());
+        let Some(camera) = plan else {
+            return [0.0, 4.0 * lo.distance(hi)];
+        };
+        let corners = self.framed.corners_mm();
+        let (near, far) = match camera.projection {
+            Projection::Perspective { .. } => {
+                let nearest = camera.eye_mm.clamp(lo, hi);
+                let far = corners.map(|corner| corner.distance(camera.eye_mm));
+                (nearest.distance(camera.eye_mm), far)
+            }
+            Projection::Orthographic { .. } => {
+                let depths = corners.map(|corner| (corner - camera.eye_mm).dot(camera.forward));
+                let near = depths.into_iter().fold(f64::INFINITY, f64::min);
+                (near.max(0.0), depths)
+            }
+        };
+        let far = far.into_iter().fold(near, f64::max);
+        if far > near {
+            // Three digits are enough for a grey, and can be read.
+            let tidy = |mm: f64| round_to_width(mm, far - near);
+            [tidy(near), tidy(far)]
+        } else {
+            [near, near + 1.0]
         }
-        _ => [0.0, steep_per_mm(header)],
     }
 }

@@ -9,8 +9,11 @@ use strahl_volume::{Grid, Label, LabelVolume, VolumeHeader};
 /// Headers of the data that a scene names, each list in the order in which the scene names it.
 #[derive(Clone, Debug)]
 pub struct Headers {
-    /// Of the scene's own volume, then of each object that has a volume of its own.
+    /// Of the scene's own volume, then of each object that has a volume of its own, at level 0 whatever level of detail
+    /// is drawn, so that nothing but detail depends on the level.
     pub volumes: Vec<VolumeHeader>,
+    /// By the number of a volume the header of the level of detail that is drawn, where that is not level 0.
+    pub coarser: BTreeMap<usize, VolumeHeader>,
     /// Of the labels, if the scene names them.
     pub labels: Option<LabelHeader>,
     /// The grid of each mask.
@@ -19,6 +22,16 @@ pub struct Headers {
     pub meshes: Vec<[DVec3; 2]>,
     /// The shader functions in files, by the text that names them.
     pub modules: BTreeMap<String, Arc<Module>>,
+}
+
+impl Headers {
+    /// The header of what is drawn of volume number `volume`.
+    ///
+    /// # Panics
+    /// If there is no such volume.
+    pub(crate) fn drawn(&self, volume: usize) -> &VolumeHeader {
+        self.coarser.get(&volume).unwrap_or(&self.volumes[volume])
+    }
 }
 
 /// What is known of a label volume.
@@ -58,6 +71,7 @@ impl From<VolumeHeader> for Headers {
     fn from(header: VolumeHeader) -> Headers {
         Headers {
             volumes: vec![header],
+            coarser: BTreeMap::new(),
             labels: None,
             masks: Vec::new(),
             meshes: Vec::new(),

@@ -5,15 +5,15 @@ use crate::problem::Checker;
 use crate::{Headers, Scene, SceneObject};
 use glam::{DAffine3, DMat3, DVec3};
 use std::collections::HashMap;
-use strahl_volume::{Grid, VolumeHeader};
+use strahl_volume::Grid;
 
 /// Where everything of a scene lies in the world.
 pub(crate) struct Places {
     /// The scene's own volume, then those of its objects.
     pub volumes: Vec<PlacedVolume>,
     pub meshes: Vec<PlacedMesh>,
-    /// The header of the scene's own volume, with a grid around everything: what the camera frames.
-    pub framed: VolumeHeader,
+    /// A grid around everything: what the camera frames.
+    pub framed: Grid,
 }
 
 /// A volume that is drawn.
@@ -24,8 +24,10 @@ pub(crate) struct PlacedVolume {
     pub name: Option<String>,
     /// Which of the headers it has.
     pub volume: usize,
-    /// Where its voxels lie.
+    /// Where the voxels of level 0 lie.
     pub grid: Grid,
+    /// Where the voxels of the level that is drawn lie.
+    pub drawn: Grid,
 }
 
 /// A mesh that is drawn.
@@ -50,9 +52,10 @@ impl Places {
                 name: Some(OWN_VOLUME.to_owned()),
                 volume: 0,
                 grid: place(&own.grid, worlds[0], "transform", checker),
+                drawn: place(&headers.drawn(0).grid, worlds[0], "transform", checker),
             }],
             meshes: Vec::new(),
-            framed: own.clone(),
+            framed: own.grid,
         };
         for (i, volume) in volume_indices(objects).into_iter().enumerate() {
             if let Some(file) = &objects[i].mesh {
@@ -73,9 +76,10 @@ impl Places {
                 name: objects[i].name.clone(),
                 volume,
                 grid: place(&header.grid, worlds[1 + i], &path, checker),
+                drawn: place(&headers.drawn(volume).grid, worlds[1 + i], &path, checker),
             });
         }
-        places.framed.grid = places.around(headers);
+        places.framed = places.around(headers);
         places
     }
 

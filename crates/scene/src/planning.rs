@@ -48,10 +48,17 @@ fn plan(settled: &SettledScene, headers: &Headers, checker: &mut Checker) -> Opt
     let method = settled.composite.method;
     let shade = settled.shading.plan("shading", method, checker);
     let own_shades = plan_shades(settled, checker);
-    let camera = settled.camera.plan(&settled.framed.grid, size, checker);
+    let camera = settled.camera.plan(&settled.framed, size, checker);
     let is_lit = |shade: &Shade| matches!(shade, Shade::Lit { .. });
     let any_lit = is_lit(&shade) || own_shades.iter().flatten().any(is_lit);
-    let lights = plan_lights(settled, any_lit, camera.as_ref(), compositing, checker);
+    let lights = plan_lights(
+        settled,
+        header,
+        any_lit,
+        camera.as_ref(),
+        compositing,
+        checker,
+    );
     let clips = plan_clips(settled, headers, checker);
     let window = settled.volumes[0].function.window;
     let composite = settled.composite.plan(window, header, checker);
@@ -162,10 +169,10 @@ fn check_together(plan: &Plan, checker: &mut Checker) {
 fn plan_lattice(settled: &SettledScene, checker: &mut Checker) -> Lattice {
     let spacings = settled.volumes.iter();
     let spacing_mm = spacings
-        .map(|volume| volume.place.grid.min_spacing_mm())
+        .map(|volume| volume.place.drawn.min_spacing_mm())
         .fold(f64::INFINITY, f64::min);
     Lattice {
-        step_mm: settled.step.plan(&settled.framed.grid, spacing_mm, checker),
+        step_mm: settled.step.plan(&settled.framed, spacing_mm, checker),
         jitter: match settled.jitter {
             Jitter::Off => PlanJitter::Centre,
             Jitter::Seed(seed) => PlanJitter::Hash(seed),
@@ -180,11 +187,11 @@ fn plan_lattice(settled: &SettledScene, checker: &mut Checker) -> Lattice {
 /// What a volume that is drawn is as a field.
 fn plan_field(settled: &SettledScene, volume: &SettledVolume, headers: &Headers) -> Field {
     let place = &volume.place;
-    let stored = &headers.volumes[place.volume];
+    let stored = headers.drawn(place.volume);
     Field {
         volume: place.volume,
-        grid: place.grid,
-        is_moved: place.grid != stored.grid,
+        grid: place.drawn,
+        is_moved: place.drawn != stored.grid,
         rescale: stored.rescale,
         fetch: Fetch::Stored,
         reconstruct: settled.reconstruct.into(),
@@ -204,6 +211,7 @@ fn plan_shades(settled: &SettledScene, checker: &mut Checker) -> Vec<Option<Shad
 
 pub(crate) fn plan_lights(
     settled: &SettledScene,
+    header: &VolumeHeader,
     is_lit: bool,
     camera: Option<&PlanCamera>,
     compositing: PlanCompositing,
@@ -216,8 +224,8 @@ pub(crate) fn plan_lights(
     let frame = camera.copied().or_else(|| {
         let mut unheard = Checker::default();
         Camera::default()
-            .settled(&settled.framed, [1, 1], &mut unheard)
-            .plan(&settled.framed.grid, [1, 1], &mut unheard)
+            .settled(header, &settled.framed, [1, 1], &mut unheard)
+            .plan(&settled.framed, [1, 1], &mut unheard)
     });
     let Some(frame) = frame else {
         return Vec::new();

@@ -133,6 +133,7 @@ fn default_lights(scene: &Scene, headers: &Headers, plan: &Plan) -> Vec<PlanLigh
     let settled = SettledScene::new(&lit, headers, &mut unheard);
     plan_lights(
         &settled,
+        &headers.volumes[0],
         true,
         Some(&plan.camera),
         plan.compositing,
@@ -147,7 +148,7 @@ fn label_grid(
     headers: &Headers,
     checker: &mut Checker,
 ) -> Option<Grid> {
-    let (volume, field) = (&headers.volumes[0].grid, plan.field());
+    let (volume, field) = (&headers.drawn(0).grid, plan.field());
     if !field.is_moved {
         return check_labels(volume, &labels.grid, checker).then_some(labels.grid);
     }

@@ -5,7 +5,7 @@
 
 use crate::camera::SettledCamera;
 use crate::clip::SettledClip;
-use crate::composite::SettledComposite;
+use crate::composite::{DepthView, SettledComposite};
 use crate::light::SettledLight;
 use crate::places::{PlacedMesh, PlacedVolume, Places};
 use crate::problem::Checker;
@@ -14,13 +14,14 @@ use crate::scene::SettledDisplay;
 use crate::shading::SettledShading;
 use crate::step::Step;
 use crate::transfer_function::SettledFunction;
+use crate::window::steep_per_mm;
 use crate::{
     Background, Color, Compositing, FunctionUse, Gradient, GradientInput, GradientMethod, Headers,
     Jitter, Light, Method, PresetInfo, Quality, Reconstruct, Scene, SceneObject, ShadingModel,
     TransferFunction,
 };
 use std::collections::BTreeMap;
-use strahl_volume::VolumeHeader;
+use strahl_volume::{Grid, VolumeHeader};
 
 /// The version of the scene format that this program reads and writes.
 pub const FORMAT: u32 = 1;
@@ -52,8 +53,8 @@ pub(crate) struct SettledScene {
     /// Its own volume, then those of its objects.
     pub volumes: Vec<SettledVolume>,
     pub meshes: Vec<SettledMesh>,
-    /// The header of its own volume, with a grid around everything: what the camera frames.
-    pub framed: VolumeHeader,
+    /// A grid around everything: what the camera frames.
+    pub framed: Grid,
     /// Whether the value itself is shown as grey, without a transfer function.
     pub shows_values: bool,
     pub composite: SettledComposite,
@@ -118,12 +119,24 @@ impl SettledScene {
         own_shading.model = own_shading
             .model
             .or(of_quality.shading.and_then(|shading| shading.model));
-        let shading = own_shading.settled(from_preset.shading.unwrap_or_default(), method, header);
         let Places {
             volumes,
             meshes,
             framed,
         } = Places::new(scene, headers, checker);
+        let gradient = SettledGradient::new(
+            scene.gradient.unwrap_or_default(),
+            of_quality.gradient.unwrap_or_default(),
+            // Borders of label voxels are stairs: the smoothest of the estimates over few voxels.
+            match headers.labels {
+                Some(_) => GradientMethod::Sobel,
+                None => GradientMethod::Central,
+            },
+        );
+        let volumes = settled_volumes(scene, volumes, headers, method, gradient.of, checker);
+        let steep_per_mm = steepness(gradient.of, header, &volumes[0].function);
+        let from_preset_shading = from_preset.shading.unwrap_or_default();
+        let shading = own_shading.settled(from_preset_shading, method, steep_per_mm);
         let of_objects = scene.objects.iter().flatten();
         let mut models = of_objects.filter_map(|object| object.shading?.model);
         let is_lit =
@@ -131,7 +144,13 @@ impl SettledScene {
         let lights = settled_lights(scene, &from_preset, is_lit, checker);
         let camera = scene.camera.unwrap_or_default();
         let clips = scene.clips.iter().flatten().enumerate();
-        let own_grid = &volumes[0].grid;
+        let own_grid = volumes[0].place.grid;
+        let camera = camera.settled(header, &framed, size, checker);
+        let view = DepthView {
+            camera: &camera,
+            framed: &framed,
+            size,
+        };
         SettledScene {
             preset,
             size,
@@ -140,28 +159,22 @@ impl SettledScene {
                 scene,
                 [&of_quality, &from_preset],
                 method,
-                [header, &framed],
+                header,
+                steep_per_mm,
+                &view,
                 checker,
             ),
             shading,
             lights,
-            camera: camera.settled(&framed, size, checker),
+            camera,
             clips: clips
-                .map(|(i, clip)| clip.settled(own_grid, &format!("clips[{i}]"), checker))
+                .map(|(i, clip)| clip.settled(&own_grid, &format!("clips[{i}]"), checker))
                 .collect(),
             reconstruct: scene
                 .reconstruct
                 .or(of_quality.reconstruct)
                 .unwrap_or(Reconstruct::Trilinear),
-            gradient: SettledGradient::new(
-                scene.gradient.unwrap_or_default(),
-                of_quality.gradient.unwrap_or_default(),
-                // Borders of label voxels are stairs: the smoothest of the estimates over few voxels.
-                match headers.labels {
-                    Some(_) => GradientMethod::Sobel,
-                    None => GradientMethod::Central,
-                },
-            ),
+            gradient,
             step: Step::settled(scene, checker),
             sampling: scene.sampling.unwrap_or_default().settled(checker),
             jitter: scene.jitter.unwrap_or(Jitter::Off),
@@ -176,7 +189,7 @@ impl SettledScene {
                 .display
                 .unwrap_or_default()
                 .settled(from_preset.display.unwrap_or_default(), checker),
-            volumes: settled_volumes(scene, volumes, headers, method, checker),
+            volumes,
             meshes: settled_meshes(scene, meshes),
             framed,
         }
@@ -245,6 +258,12 @@ impl SettledGradient {
     }
 }
 
+/// A gradient that is steep in a volume: of its values, or of the opacities that `function` makes of them.
+fn steepness(of: GradientInput, header: &VolumeHeader, function: &SettledFunction) -> f64 {
+    let most_opaque = (of == GradientInput::Opacity).then(|| function.most_opaque());
+    steep_per_mm(header, most_opaque)
+}
+
 /// The preset of a volume: the named one, or the one that suits it.
 fn preset(
     name: Option<&str>,
@@ -289,6 +308,7 @@ fn settled_volumes(
     places: Vec<PlacedVolume>,
     headers: &Headers,
     method: Method,
+    gradient_of: GradientInput,
     checker: &mut Checker,
 ) -> Vec<SettledVolume> {
     let settle = |place: PlacedVolume| {
@@ -319,10 +339,12 @@ fn settled_volumes(
             Some(preset) => own.over(&preset),
             None => own,
         };
+        let function = function.settled(method, header, &path, checker);
+        let steep_per_mm = steepness(gradient_of, header, &function);
         SettledVolume {
-            function: function.settled(method, header, &path, checker),
+            function,
             preset,
-            shading: shading.map(|own| own.settled(from_preset_shading, method, header)),
+            shading: shading.map(|own| own.settled(from_preset_shading, method, steep_per_mm)),
             functions: functions.unwrap_or_default(),
             place,
         }

@@ -2,12 +2,10 @@
 
 use crate::plan::Shade;
 use crate::problem::{Checker, Within};
-use crate::window::steep_per_mm;
 use crate::{Method, ShadingModel};
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use strahl_volume::VolumeHeader;
 
 /// How surfaces reflect light.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -59,12 +57,12 @@ pub(crate) struct SettledShading {
 }
 
 impl Shading {
-    /// What this says, then what `preset` does, then the defaults.
+    /// What this says, then what `preset` does, then the defaults; `steep_per_mm` is a gradient that is steep in the data.
     pub(crate) fn settled(
         self,
         preset: Shading,
         method: Method,
-        header: &VolumeHeader,
+        steep_per_mm: f64,
     ) -> SettledShading {
         let default = if method.is_projection() {
             ShadingModel::Unlit
@@ -88,7 +86,7 @@ impl Shading {
             full_per_mm: number(
                 self.full_per_mm,
                 preset.full_per_mm,
-                (0.5 * steep_per_mm(header)).max(SMALLEST_PER_MM),
+                (0.5 * steep_per_mm).max(SMALLEST_PER_MM),
             ),
         }
     }

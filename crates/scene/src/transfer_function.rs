@@ -328,6 +328,13 @@ impl TransferFunction {
 }
 
 impl SettledFunction {
+    /// The largest opacity, from 0 to 1.
+    pub fn most_opaque(&self) -> f64 {
+        let of_points = self.points.iter().filter_map(|point| point.opacity);
+        let opacities = of_points.chain(self.opacity.into_iter().flatten());
+        opacities.fold(0.0, f64::max).clamp(0.0, 1.0)
+    }
+
     /// As a scene says it.
     pub fn scene(&self) -> TransferFunction {
         let has_points = !self.points.is_empty();

@@ -107,10 +107,11 @@ pub(crate) fn automatic_threshold(header: &VolumeHeader) -> f64 {
     round_to_width(otsu_threshold(&header.statistics), hi - lo).clamp(-1e30, 1e30)
 }
 
-/// A steep gradient: the whole window of values within two voxels.
-pub(crate) fn steep_per_mm(header: &VolumeHeader) -> f64 {
+/// A steep gradient: all values, or as much opacity as `most_opaque`, within two voxels.
+pub(crate) fn steep_per_mm(header: &VolumeHeader, most_opaque: Option<f64>) -> f64 {
     let [lo, hi] = header.statistics.range;
-    let steep = 0.5 * (hi - lo) / header.grid.mean_spacing_mm();
+    let height = most_opaque.unwrap_or(hi - lo);
+    let steep = 0.5 * height / header.grid.mean_spacing_mm();
     round_to_width(steep, steep).clamp(1e-30, 1e30)
 }
 

@@ -17,7 +17,7 @@ use strahl_scene::{
 use strahl_shader::Module;
 use strahl_volume::read::ReadOptions;
 use strahl_volume::read::mesh::read_mesh_under;
-use strahl_volume::{Control, Datasets, LabelVolume, Mesh, Phantom, Volume};
+use strahl_volume::{Control, Datasets, LabelVolume, Mesh, Phantom, Volume, VolumeHeader};
 
 /// Which volume is a scene's own.
 pub(crate) enum OwnVolume<'o> {
@@ -42,8 +42,10 @@ struct Reading<'r> {
 
 /// The data of a scene.
 pub(crate) struct SceneData {
-    /// The scene's own volume, then those of its objects.
+    /// The scene's own volume, then those of its objects, at the level that is drawn.
     volumes: Vec<Volume>,
+    /// Their headers at level 0.
+    whole: Vec<VolumeHeader>,
     masks: Vec<Volume>,
     meshes: Vec<Mesh>,
     labels: Option<LabelVolume>,
@@ -67,6 +69,7 @@ impl SceneData {
         let level = scene.volume.as_ref().and_then(|volume| volume.level);
         let mut data = SceneData {
             volumes: Vec::new(),
+            whole: Vec::new(),
             masks: Vec::new(),
             meshes: Vec::new(),
             labels: None,
@@ -225,6 +228,7 @@ impl SceneData {
         volume: Volume,
         level: Option<f64>,
     ) -> Result<(), Error> {
+        self.whole.push(volume.header());
         let volume = match level {
             // What is no level is refused with the rest of the scene.
             Some(level) if level > 0.0 && level.is_finite() => {
@@ -325,8 +329,13 @@ impl SceneData {
 
     /// What resolving a scene has to know.
     pub fn headers(&self) -> Headers {
+        let drawn = self.volumes.iter().zip(&self.whole).enumerate();
         Headers {
-            volumes: self.volumes.iter().map(|volume| volume.header()).collect(),
+            volumes: self.whole.clone(),
+            coarser: drawn
+                .filter(|(_, (volume, whole))| *volume.grid() != whole.grid)
+                .map(|(i, (volume, _))| (i, volume.header()))
+                .collect(),
             labels: self.labels.as_ref().map(LabelHeader::from),
             masks: self.masks.iter().map(|mask| *mask.grid()).collect(),
             meshes: self

@@ -250,3 +250,25 @@ fn a_zoom_of_an_orthographic_camera_divides_its_height() {
         }
     );
 }
+
+/// Straight above: what comes up from the horizon is up in the picture, as it is just before.
+#[test]
+fn an_orbit_reaches_its_poles() {
+    for view in View::ALL {
+        for (pole, before) in [(90.0, 89.8), (-90.0, -89.8)] {
+            let at = |elevation| {
+                let camera = Camera {
+                    view: Some(view),
+                    elevation_deg: Some(elevation),
+                    azimuth_deg: Some(25.0),
+                    ..Camera::default()
+                };
+                plan(camera, [64, 64], &engine()).camera
+            };
+            let (found, near) = (at(pole), at(before));
+            close(found.up, near.up.to_array(), 0.01);
+            close(found.right, near.right.to_array(), 0.01);
+            assert!(found.forward.dot(near.forward) > 0.9999);
+        }
+    }
+}

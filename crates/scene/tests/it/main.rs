@@ -3,6 +3,7 @@
 mod camera;
 mod emptiness;
 mod parse;
+mod places;
 mod problems;
 mod random;
 mod settled;

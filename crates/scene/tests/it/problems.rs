@@ -61,7 +61,7 @@ fn problems_that_hide_each_other() {
         r#"{ "method": "average", "shading": { "model": "blinn-phong" } }"#,
         r#"{ "camera": { "position": [0, 0, 100], "focus": [0, 0, 0], "up": [0, 0, 1] } }"#,
         r#"{ "camera": { "position": [1, 2, 3], "focus": [1, 2, 3] } }"#,
-        r#"{ "camera": { "elevation_deg": 90 } }"#,
+        r#"{ "camera": { "elevation_deg": 90.1 } }"#,
         r#"{ "camera": { "up": [0, 0, 1] } }"#,
         r#"{ "camera": { "projection": "orthographic", "view_angle_deg": 30 } }"#,
         r#"{ "camera": { "height_mm": 30 } }"#,

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use std::sync::{Arc, Mutex};
 use strahl::scene::{PlaneClip, TransferPoint};
 use strahl::{
-    Background, Clip, Color, Control, Error, Recipe, Render, Scene, TransferFunction, Work,
+    Background, Clip, Color, Control, Error, Recipe, Render, Scene, Session, TransferFunction, Work,
 };
 
 #[test]
@@ -31,6 +31,43 @@ fn memory_and_file_give_the_same_picture() {
     let from_file = Render::file(&path).size(32, 24).picture().unwrap();
     assert_eq!(from_memory.image, from_file.image);
     assert_eq!(from_memory.scene.volume, None);
+}
+
+/// A level of detail changes detail only: what a scene leaves out follows from the whole volume.
+#[test]
+fn a_level_of_detail_keeps_the_look() {
+    let session = Session::default();
+    let at = |level: f64, text: &str| {
+        let scene = Scene::parse("scene", text).unwrap();
+        let render = Render::phantom(Phantom::Anatomy)
+            .with(|own| {
+                let volume = own.volume.take();
+                *own = scene;
+                own.volume = volume;
+                let volume = own.volume.as_mut().unwrap();
+                volume.dims = Some([40, 40, 40]);
+                volume.level = Some(level);
+            })
+            .size(24, 24)
+            .in_session(&session)
+            .background(Background::Transparent);
+        let mut settled = render.settled_scene().unwrap();
+        settled.volume = None;
+        let image = render.picture().unwrap().image;
+        let alphas = (0..24 * 24).map(|i| f64::from(image.pixel(i % 24, i / 24)[3]));
+        (settled, alphas.sum::<f64>() / f64::from(24 * 24))
+    };
+    for text in ["{}", r#"{ "method": "gmip" }"#, r#"{ "debug": "depth" }"#] {
+        let (whole, alpha) = at(0.0, text);
+        for level in [0.5, 1.0] {
+            let (coarse, coarse_alpha) = at(level, text);
+            assert_eq!(coarse, whole, "{text} at level {level}");
+            assert!(
+                (coarse_alpha / alpha - 1.0).abs() < 0.3,
+                "{text} at level {level}: {coarse_alpha}, {alpha}"
+            );
+        }
+    }
 }
 
 /// The notes of a picture of the shells, whose values are 0 to 1.
