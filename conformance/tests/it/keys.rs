@@ -339,10 +339,12 @@ fn anatomy() -> (Datasets, Headers) {
     let labels = Phantom::Anatomy.labels(dims).unwrap().unwrap();
     let headers = Headers {
         labels: Some(LabelHeader::from(&labels)),
+        masks: vec![*volume.grid()],
         ..Headers::from(volume.header())
     };
     let data = Datasets {
         labels: vec![labels],
+        masks: vec![volume.clone()],
         ..Datasets::from(&volume)
     };
     (data, headers)
@@ -485,6 +487,19 @@ fn keys_that_no_segment_is_drawn_by_are_named() {
             &[],
         ),
         (
+            r#"{ "importance": { "path": "i" }, "segments": [{ "of": 1 }] }"#,
+            &["importance"],
+        ),
+        (
+            r#"{ "importance": { "path": "i" }, "composite": "importance-aware" }"#,
+            &[],
+        ),
+        (
+            r#"{ "importance": { "path": "i" }, "techniques": { "a": { "method": "importance-aware" } },
+                 "segments": [{ "of": 2, "technique": "a" }] }"#,
+            &[],
+        ),
+        (
             r#"{ "functions": { "classify": { "module": "identity" }, "gradient": { "module": "sobel" } } }"#,
             &["functions.classify"],
         ),
@@ -529,6 +544,7 @@ fn no_key_is_forgotten() {
         "techniques",
         "segments",
         "composite",
+        "importance",
         // Always read; without them the keys of segments are named where data is loaded.
         "labels",
         // Nothing is said of graphs. Nothing is known of the file before it is written.

@@ -9,6 +9,7 @@ mod formulas;
 mod goldens;
 mod gpu;
 mod graph;
+mod importance;
 mod keys;
 mod metamorphic;
 mod orientation;

@@ -16,7 +16,7 @@ use strahl_shader::Linker;
 use strahl_volume::{Control, Datasets, Grid, LabelVolume, Metadata, Rescale, Samples, Volume};
 
 /// A label volume with the id of each voxel by its place in the world.
-fn labels(grid: Grid, id: impl Fn(DVec3) -> u32) -> LabelVolume {
+pub fn labels(grid: Grid, id: impl Fn(DVec3) -> u32) -> LabelVolume {
     let [nx, ny, nz] = grid.dims();
     let place = |i: usize| [i % nx, i / nx % ny, i / nx / ny].map(|n| n as f64);
     let place = |i| grid.world_from_voxel().transform_point3(place(i).into());

@@ -127,6 +127,7 @@ pub fn plan(volume: &Volume, camera: PlanCamera, table: TransferTable) -> Plan {
         global_rule: GlobalRule::EmissionAbsorption {
             stop_at_transmittance: 0.0,
         },
+        importance: None,
         meshes: Vec::new(),
         lattice: Lattice {
             step_mm: 0.5 * volume.grid().min_spacing_mm(),

@@ -33,6 +33,7 @@ mod elementary;
 mod error;
 mod even;
 mod hidden_segments;
+mod important_places;
 #[cfg(feature = "bench-kernels")]
 #[doc(hidden)]
 pub mod kernels;

@@ -5,6 +5,7 @@ use crate::clipped::ClippedBricks;
 use crate::error::Error;
 use crate::even::EvenCubes;
 use crate::hidden_segments::hidden_segments;
+use crate::important_places::ImportantPlaces;
 use crate::levels::Level;
 use crate::library::classify::Integrals;
 use crate::library::composite::{Rule, with_rule};
@@ -142,6 +143,7 @@ impl Prepared {
                 None => self.known.into_iter().enumerate().map(object).collect(),
             },
             segments,
+            important_places: ImportantPlaces::new(plan, &masks),
             jitters: self.jitters,
             meshes: &self.meshes,
             composite: plan.composite(),

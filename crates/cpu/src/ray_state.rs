@@ -16,8 +16,8 @@
 /// | debug views | `color`, `alpha`; `sample_count`: `number` |
 /// | any other | what its file in `library/composite` says |
 ///
-/// Shading that keeps the last normal needs `last_normal`. Segments of a label volume need `segment`, `technique` and
-/// what begins with `seen` and `hit`; the fields of the composite are then those of the run that goes on. Of the rules of sampling
+/// Shading that keeps the last normal needs `last_normal`. Segments of a label volume need `segment`, `technique`,
+/// `importance` and what begins with `seen` and `hit`; the fields of the composite are then those of the run that goes on. Of the rules of sampling
 ///
 /// - `regular` and `adaptive` need nothing more. (A run of `adaptive` that begins in an interval is done in it: the ray
 ///   then stands behind the interval.)
@@ -67,6 +67,8 @@ pub struct RayState {
     pub seen_weight: f32,
     /// … and the number of those that are not transparent, or whether there was one: 1.
     pub seen_runs: u32,
+    /// The importance of the places of the run that goes on.
+    pub importance: f32,
     /// Lattice coordinate of the first hit among them …
     pub hit_place: f32,
     /// … if there was one: 1.
@@ -80,7 +82,7 @@ pub struct RayState {
 }
 
 /// The numbers of a [`RayState`].
-pub const NUMBERS: usize = 33;
+pub const NUMBERS: usize = 34;
 
 impl RayState {
     /// All numbers, each exact: counts are at most 2^24.
@@ -119,6 +121,7 @@ impl RayState {
             self.seen_alpha,
             self.seen_weight,
             self.seen_runs as f32,
+            self.importance,
             self.hit_place,
             self.has_hit as f32,
             self.samples as f32,
@@ -158,6 +161,7 @@ impl RayState {
             seen_alpha,
             seen_weight,
             seen_runs,
+            importance,
             hit_place,
             has_hit,
             samples,
@@ -183,6 +187,7 @@ impl RayState {
             seen_alpha,
             seen_weight,
             seen_runs: seen_runs as u32,
+            importance,
             hit_place,
             has_hit: has_hit as u32,
             samples: samples as u32,

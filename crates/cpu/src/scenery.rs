@@ -2,6 +2,7 @@
 
 use crate::elementary::{opacity_of_half, opacity_of_length, opacity_of_lengths};
 use crate::even::EvenCubes;
+use crate::important_places::ImportantPlaces;
 use crate::lanes::{Affine, F32s, Mask, Vec3s};
 use crate::levels::{Level, inlined, vectorized};
 use crate::library::classify::{Integrals, IntervalVisibility, Sample, Surface, Table, classify};
@@ -29,6 +30,8 @@ pub struct Scenery<'p, S: Level> {
     pub objects: Vec<Object<'p, S>>,
     /// The segments of the layer, where those of a label volume are drawn.
     pub segments: Option<Arc<SegmentNumbers<'p>>>,
+    /// How important places are, where that is data.
+    pub important_places: Option<ImportantPlaces<'p, S>>,
     pub jitters: Jitters,
     pub meshes: &'p Meshes,
 }

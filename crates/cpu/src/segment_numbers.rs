@@ -44,7 +44,9 @@ pub struct SegmentNumbers<'n> {
     pub skip: Option<Arc<Skip>>,
     /// How runs become a pixel.
     pub rule: GlobalRule,
-    /// The largest importance of a segment.
+    /// What full importance of a place is worth to its run.
+    pub gain_of_places: f32,
+    /// The largest importance of a run.
     pub most_important: f32,
 }
 
@@ -58,13 +60,17 @@ impl<'n> SegmentNumbers<'n> {
         let labelled = plan.labelled()?;
         let segments = labelled.numbered(&labels.ids);
         let importances = segments.importances.iter();
+        let by_importance = plan.global_rule == GlobalRule::ImportanceAware;
+        let places = plan.importance.filter(|_| by_importance);
+        let gain_of_places = places.map_or(0.0, |places| places.gain_of_runs);
         Some(SegmentNumbers {
             numbers: &labels.numbers,
             borders: &labels.borders,
             dims: labelled.grid.dims(),
             is_grid_of_field: labelled.grid == plan.field().grid,
             label_from_voxel: Affine::new(labelled.label_from_voxel(plan.field())),
-            most_important: importances.fold(0.0, |most, own| most.max(*own)),
+            gain_of_places,
+            most_important: importances.fold(0.0f32, |most, own| most.max(*own)) + gain_of_places,
             segments,
             skip,
             rule: plan.global_rule,

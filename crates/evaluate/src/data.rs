@@ -72,6 +72,11 @@ impl<'d> Data<'d> {
         })
     }
 
+    /// A value of mask `mask`, in the numbers of its texture.
+    pub fn mask_number(&self, mask: usize, value: f32) -> f64 {
+        mask_threshold(self.datasets, mask, value)
+    }
+
     /// The opaque surfaces.
     pub fn meshes(&self) -> &'d [Mesh] {
         &self.datasets.meshes

@@ -48,8 +48,8 @@ use data::Data;
 use run::State;
 use std::sync::Arc;
 use strahl_program::{
-    Frame, Functions, Object, Order, SegmentTable, Slices, Slicing, Table2d, noise_tile, tables,
-    techniques_of, visible_bricks,
+    Frame, Functions, ImportanceBlock, Object, Order, SegmentTable, Slices, Slicing, Table2d,
+    has_important_places, noise_tile, tables, techniques_of, visible_bricks,
 };
 use strahl_scene::plan::Plan;
 use strahl_scene::{Image, OtherData};
@@ -133,6 +133,7 @@ impl Evaluator {
             is_before_geometry: !plan.meshes.is_empty(),
             techniques: techniques_of(plan),
             is_finite: false,
+            has_important_places: has_important_places(plan),
         })
     }
 
@@ -309,6 +310,11 @@ impl<'a> Scenery<'a> {
             let resource: Result<Resource, Error> = match binding {
                 bindings::FRAME => Ok(Resource::Uniform(frame.bytes(&objects))),
                 bindings::PARAMETERS => Ok(Resource::Uniform(parameters.to_vec())),
+                bindings::IMPORTANCE => {
+                    let block =
+                        ImportanceBlock::of(plan, |mask, value| data.mask_number(mask, value));
+                    Ok(Resource::Uniform(bytemuck::bytes_of(&block).to_vec()))
+                }
                 bindings::VOLUME_SAMPLER => Ok(Resource::Sampler(Sampler::default())),
                 bindings::TABLES => {
                     let size = [TABLE_ROW, entries.len() as u32 / TABLE_ROW];

@@ -48,8 +48,8 @@ use shown::{Show, Shower};
 use std::sync::Arc;
 use std::time::Instant;
 use strahl_program::{
-    Frame, Functions, Object, SegmentTable, Slices, Slicing, Table2d, noise_tile, stacked, tables,
-    techniques_of, visible_bricks,
+    Frame, Functions, ImportanceBlock, Object, SegmentTable, Slices, Slicing, Table2d,
+    has_important_places, noise_tile, stacked, tables, techniques_of, visible_bricks,
 };
 use strahl_scene::Image;
 use strahl_scene::plan::{Compositing, Plan};
@@ -152,6 +152,7 @@ impl Renderer {
             is_before_geometry: !plan.meshes.is_empty(),
             techniques: techniques_of(plan),
             is_finite: self.data.are_finite() && plan.modules.is_empty(),
+            has_important_places: has_important_places(plan),
         })
     }
 
@@ -641,6 +642,9 @@ impl Renderer {
             (!plan.meshes.is_empty()).then(|| Geometry::new(&self.device, &data.meshes, plan));
         let frame_buffer = self.uniform("frame", &frame.bytes(&objects));
         let parameter_buffer = self.uniform("parameters", parameters);
+        let number = |mask, value| self.data.mask_threshold(&self.device, mask, value);
+        let importance = ImportanceBlock::of(plan, number);
+        let importance = self.uniform("importance", bytemuck::bytes_of(&importance));
         let device = &self.device.device;
         let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
             label: Some("volume"),
@@ -675,6 +679,7 @@ impl Renderer {
                 let resource = match binding {
                     bindings::FRAME => frame_buffer.as_entire_binding(),
                     bindings::PARAMETERS => parameter_buffer.as_entire_binding(),
+                    bindings::IMPORTANCE => importance.as_entire_binding(),
                     bindings::VOLUME_SAMPLER => Sampler(&sampler),
                     bindings::TABLES => TextureView(&tables),
                     bindings::BRICKS => TextureView(&bricks),

@@ -150,11 +150,13 @@ fn binding_type(binding: u32, texels: &[Texels]) -> wgpu::BindingType {
     };
     let unfilterable = Float { filterable: false };
     match binding {
-        bindings::FRAME | bindings::PARAMETERS => wgpu::BindingType::Buffer {
-            ty: wgpu::BufferBindingType::Uniform,
-            has_dynamic_offset: false,
-            min_binding_size: None,
-        },
+        bindings::FRAME | bindings::PARAMETERS | bindings::IMPORTANCE => {
+            wgpu::BindingType::Buffer {
+                ty: wgpu::BufferBindingType::Uniform,
+                has_dynamic_offset: false,
+                min_binding_size: None,
+            }
+        }
         bindings::VOLUME_SAMPLER => wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
         bindings::BRICKS | bindings::PAGES | bindings::LABELS => texture(Uint, D3),
         bindings::SEGMENTS => texture(Uint, D2),

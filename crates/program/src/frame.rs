@@ -127,6 +127,36 @@ impl Object {
     }
 }
 
+/// The struct `ImportanceVolume` of the ray loop, byte for byte.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub struct ImportanceBlock {
+    /// Rows of an affine map.
+    pub unit_from_world: [[f32; 4]; 3],
+    /// The numbers of the texture that count as 0 and as 1.
+    pub range: [f32; 2],
+    /// Which of the masks.
+    pub mask: u32,
+    /// 1 or 0.
+    pub is_there: u32,
+}
+
+impl ImportanceBlock {
+    /// That of `plan`; `number` turns a value of a mask into the number of its texture.
+    pub fn of(plan: &Plan, number: impl Fn(usize, f32) -> f64) -> ImportanceBlock {
+        let Some(importance) = plan.importance else {
+            return ImportanceBlock::default();
+        };
+        let number = |value| number(importance.mask, value) as f32;
+        ImportanceBlock {
+            unit_from_world: rows(&importance.unit_from_world),
+            range: [number(importance.low), number(importance.high)],
+            mask: importance.mask as u32,
+            is_there: 1,
+        }
+    }
+}
+
 /// In single precision.
 pub fn single(v: DVec3) -> [f32; 3] {
     v.as_vec3().to_array()

@@ -25,7 +25,7 @@ mod slicing;
 mod tables;
 
 pub use bricks::{occupancy, visible_bricks};
-pub use frame::{Frame, Object, rows, single};
+pub use frame::{Frame, ImportanceBlock, Object, rows, single};
 pub use functions::Functions;
 pub use segments::SegmentTable;
 pub use slicing::{
@@ -34,7 +34,7 @@ pub use slicing::{
 pub use tables::{Table2d, noise_tile, stacked, tables};
 
 use std::sync::Arc;
-use strahl_scene::plan::Plan;
+use strahl_scene::plan::{GlobalRule, Plan};
 use strahl_shader::{Error, Linker, Program, RayLoop, Techniques, Texels, ray_loop};
 
 /// The program that draws `plan` where the texture unit interpolates the volumes; no device is needed.
@@ -58,6 +58,12 @@ pub fn techniques_of(plan: &Plan) -> Techniques {
     }
 }
 
+/// Whether the runs of segments of `plan` have the importance of their places, too.
+pub fn has_important_places(plan: &Plan) -> bool {
+    let by_importance = plan.global_rule == GlobalRule::ImportanceAware;
+    by_importance && plan.labelled().is_some() && plan.importance.is_some()
+}
+
 /// The ray loop of `plan` over volumes that are all read in the same way.
 pub fn loop_of(plan: &Plan, texels: Texels) -> RayLoop {
     let volumes = plan.drawn_fields().map(|field| field.volume + 1).max();
@@ -67,5 +73,6 @@ pub fn loop_of(plan: &Plan, texels: Texels) -> RayLoop {
         is_before_geometry: !plan.meshes.is_empty(),
         techniques: techniques_of(plan),
         is_finite: false,
+        has_important_places: has_important_places(plan),
     }
 }

@@ -8,8 +8,9 @@ use strahl_shader::TABLE_ROW;
 #[derive(Clone, Debug, PartialEq)]
 pub struct SegmentTable {
     /// The rows of the map from the voxels of the field to those of the label volume; the number of the segment
-    /// beyond its extent, below which transmittance a ray ends, how runs become a pixel, and the largest importance.
-    pub(crate) found_by: [[f32; 4]; 4],
+    /// beyond its extent, below which transmittance a ray ends, how runs become a pixel, and the largest importance;
+    /// what the importance of a place is worth to its run.
+    pub(crate) found_by: [[f32; 4]; 5],
     /// Six for each segment, by its number: its technique, from 1, 0 if it is hidden; then the bits of
     /// what its runs, premultiplied, are multiplied by, and of their importance. Whole rows of [`TABLE_ROW`] entries.
     pub entries: Vec<u32>,
@@ -40,9 +41,16 @@ impl SegmentTable {
             GlobalRule::First => 3.0,
             GlobalRule::ImportanceAware => 4.0,
         };
+        let by_place = plan.importance.map_or(0.0, |places| places.gain_of_runs);
         let stop = plan.global_rule.stop_at_transmittance();
         Some(SegmentTable {
-            found_by: [x, y, z, [outside as f32, stop, rule, most]],
+            found_by: [
+                x,
+                y,
+                z,
+                [outside as f32, stop, rule, most + by_place],
+                [by_place, 0.0, 0.0, 0.0],
+            ],
             entries,
         })
     }

@@ -501,18 +501,23 @@ fn plan_mask(
         );
         return None;
     };
-    let (first, last) = grid.extent_in_voxels();
-    let voxel_from_unit =
-        DAffine3::from_mat3_translation(DMat3::from_diagonal(last - first), 0.5 * (first + last));
     Some(SampleClip {
         shape: ClipShape::Mask {
             mask,
             threshold: threshold as f32,
         },
-        unit_from_world: (grid.world_from_voxel() * voxel_from_unit).inverse(),
+        unit_from_world: unit_from_world(grid),
         keep_inside: true,
         layers: ALL_LAYERS,
     })
+}
+
+/// World (mm) → the cube from −0.5 to 0.5 that holds a mask on this grid.
+pub(crate) fn unit_from_world(grid: &Grid) -> DAffine3 {
+    let (first, last) = grid.extent_in_voxels();
+    let voxel_from_unit =
+        DAffine3::from_mat3_translation(DMat3::from_diagonal(last - first), 0.5 * (first + last));
+    (grid.world_from_voxel() * voxel_from_unit).inverse()
 }
 
 /// The labels with these ascending ids, with names where they have any, as far as they fit a message.

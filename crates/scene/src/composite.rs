@@ -1,11 +1,12 @@
 //! How the samples of a ray become a pixel: from what a scene says to the Plan's [`Composite`].
 
 use crate::camera::SettledCamera;
+use crate::importance::BY_VOLUME;
 use crate::plan::{Composite, Projection};
 use crate::problem::{Checker, Within};
 use crate::transfer_function::SettledWindow;
 use crate::window::{automatic_threshold, round_to_width, steep_per_mm, value_range};
-use crate::{DebugView, Method, Scene};
+use crate::{DebugView, ImportanceSource, Method, Scene};
 use strahl_volume::{Grid, VolumeHeader};
 
 /// A method or debug view, with a number for everything, also for what it does not ask for.
@@ -22,6 +23,8 @@ pub(crate) struct SettledComposite {
     pub grey_range: [f64; 2],
     /// The share of light at which a ray ends.
     pub early_termination: f64,
+    /// What full importance by place is worth, if there is such a volume.
+    pub importance_gain: Option<f64>,
 }
 
 impl SettledComposite {
@@ -58,6 +61,7 @@ impl SettledComposite {
                 .grey_range
                 .unwrap_or_else(|| automatic_grey_range(debug, steep_per_mm, view)),
             early_termination: scene.early_termination.unwrap_or(1.0 / 256.0),
+            importance_gain: scene.importance.as_ref().map(ImportanceSource::gain),
         }
     }
 
@@ -112,6 +116,8 @@ impl SettledComposite {
         // Keys of the scene, by the names of the parameters that they are.
         let value = |parameter: &str| match parameter {
             "stop_at_transmittance" => self.early_termination,
+            "measure" if self.importance_gain.is_some() => f64::from(BY_VOLUME),
+            "gain" if let Some(gain) = self.importance_gain => gain,
             "threshold" => self.threshold,
             "blend" => self.blend,
             "low" => low,

@@ -1,7 +1,7 @@
 //! What every renderer may rely on in a Plan, also in one that was changed by hand.
 
 use crate::plan::{
-    Composite, MOST_EDGE_PIXELS, MOST_FRAMES, MOST_LAYERS, Plan, Sampling, Segments,
+    Composite, MOST_EDGE_PIXELS, MOST_FRAMES, MOST_LAYERS, Plan, PlanImportance, Sampling, Segments,
 };
 
 impl Plan {
@@ -32,6 +32,21 @@ impl Plan {
             ));
         }
         self.check_layers()?;
+        if let Some(PlanImportance {
+            low,
+            high,
+            gain_of_runs,
+            ..
+        }) = self.importance
+        {
+            let is_good = low.is_finite() && high.is_finite() && low != high && gain_of_runs >= 0.0;
+            if !is_good || !gain_of_runs.is_finite() {
+                return Err(format!(
+                    "importance is {:?}: its range has to be two different numbers, its gain 0 or more",
+                    self.importance
+                ));
+            }
+        }
         self.check_sampling()
     }
 

@@ -16,7 +16,7 @@ pub struct Headers {
     pub coarser: BTreeMap<usize, VolumeHeader>,
     /// Of the labels, if the scene names them.
     pub labels: Option<LabelHeader>,
-    /// The grid of each mask.
+    /// The grid of each mask of a clip, then that of the importance volume.
     pub masks: Vec<Grid>,
     /// Opposite corners of the box around each mesh, in its own mm.
     pub meshes: Vec<[DVec3; 2]>,

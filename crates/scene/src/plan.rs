@@ -35,6 +35,8 @@ pub struct Plan {
     pub layers: Vec<Layer>,
     /// How runs of segments become a pixel, where a layer has segments of a label volume. Without them nothing asks for it.
     pub global_rule: GlobalRule,
+    /// How important places are, where a technique or the rule of runs asks for it.
+    pub importance: Option<PlanImportance>,
     /// Opaque surfaces among them, any number.
     pub meshes: Vec<PlanMesh>,
     /// Where along the ray samples lie.
@@ -206,6 +208,22 @@ pub enum GlobalRule {
     First,
     /// Runs of important segments show through what lies before them: [`Composite::ImportanceAware`] over runs.
     ImportanceAware,
+}
+
+/// Importance by place: values of one of the masks, linear between its voxels; 0 beyond its extent.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlanImportance {
+    /// Which of the masks.
+    pub mask: usize,
+    /// World (mm) → the cube from −0.5 to 0.5 that holds the mask.
+    pub unit_from_world: DAffine3,
+    /// The value that counts as 0 …
+    pub low: f32,
+    /// … and the one that counts as 1; not `low`.
+    pub high: f32,
+    /// Of [`GlobalRule::ImportanceAware`]: to the importance of a run the largest share among its samples is added, times
+    /// this; 0 or more.
+    pub gain_of_runs: f32,
 }
 
 impl GlobalRule {

@@ -76,6 +76,7 @@ fn plan(settled: &SettledScene, headers: &Headers, checker: &mut Checker) -> Opt
         global_rule: GlobalRule::EmissionAbsorption {
             stop_at_transmittance: settled.composite.early_termination as f32,
         },
+        importance: None,
         meshes,
         lattice,
         sampling,
@@ -116,6 +117,9 @@ fn plan(settled: &SettledScene, headers: &Headers, checker: &mut Checker) -> Opt
     }
     if plan.lights.is_empty() && plan.drawn_techniques().any(|t| is_lit(&t.shade)) {
         plan.lights = lights;
+    }
+    if let Some(importance) = &settled.importance {
+        plan.importance = importance.plan(clips.masks, &plan, headers, checker);
     }
     place_depths(&mut plan);
     check_together(&plan, checker);
@@ -163,6 +167,7 @@ fn check_together(plan: &Plan, checker: &mut Checker) {
             "\"value\"",
         );
     }
+    plan.check_importance(checker);
     sampling::check_together(plan, checker);
 }
 

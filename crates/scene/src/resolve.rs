@@ -60,6 +60,7 @@ impl Scene {
         check_volumes(1 + objects.filter(|o| o.is_volume()).count(), &mut checker);
         let clips = self.clips.iter().flatten();
         let masks = clips.filter(|clip| matches!(clip, Clip::Mask(_))).count();
+        let masks = masks + usize::from(self.importance.is_some());
         if masks > MOST_MASKS {
             checker.add(
                 "clips",

@@ -4,8 +4,8 @@ use crate::plan;
 use crate::problem::{Checker, Number, Within};
 use crate::{
     Background, Camera, Clip, DebugView, FunctionUse, GradientInput, GradientMethod, GraphText,
-    LabelSource, Light, Method, Placement, Reconstruct, Sampling, SceneObject, SegmentComposite,
-    SegmentTechnique, SegmentUse, Shading, TransferFunction, VolumeSource,
+    ImportanceSource, LabelSource, Light, Method, Placement, Reconstruct, Sampling, SceneObject,
+    SegmentComposite, SegmentTechnique, SegmentUse, Shading, TransferFunction, VolumeSource,
 };
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
@@ -43,6 +43,10 @@ pub struct Scene {
     /// How the runs of segments become a pixel; default `emission-absorption`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub composite: Option<SegmentComposite>,
+    /// A volume that says how important each place is: for method `importance-aware`, and for `composite`
+    /// `importance-aware`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub importance: Option<ImportanceSource>,
     /// Name of the preset that fills in what is not said; without, it is chosen from the volume.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub preset: Option<String>,

@@ -312,6 +312,7 @@ fn scene_of(technique: &SegmentTechnique, scene: &Scene) -> Scene {
             method: None,
         }),
         functions: technique.functions.clone(),
+        importance: scene.importance.clone(),
         transform: scene.transform,
         early_termination: scene.early_termination,
         compositing: scene.compositing,

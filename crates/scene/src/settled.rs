@@ -17,8 +17,8 @@ use crate::transfer_function::SettledFunction;
 use crate::window::steep_per_mm;
 use crate::{
     Background, Color, Compositing, FunctionUse, Gradient, GradientInput, GradientMethod, Headers,
-    Jitter, Light, Method, PresetInfo, Quality, Reconstruct, Scene, SceneObject, ShadingModel,
-    TransferFunction,
+    ImportanceSource, Jitter, Light, Method, PresetInfo, Quality, Reconstruct, Scene, SceneObject,
+    ShadingModel, TransferFunction,
 };
 use std::collections::BTreeMap;
 use strahl_volume::{Grid, VolumeHeader};
@@ -62,6 +62,7 @@ pub(crate) struct SettledScene {
     pub lights: Vec<SettledLight>,
     pub camera: SettledCamera,
     pub clips: Vec<SettledClip>,
+    pub importance: Option<ImportanceSource>,
     pub reconstruct: Reconstruct,
     pub gradient: SettledGradient,
     pub step: Step,
@@ -170,6 +171,7 @@ impl SettledScene {
             clips: clips
                 .map(|(i, clip)| clip.settled(&own_grid, &format!("clips[{i}]"), checker))
                 .collect(),
+            importance: scene.importance.clone(),
             reconstruct: scene
                 .reconstruct
                 .or(of_quality.reconstruct)

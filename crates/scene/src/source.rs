@@ -102,6 +102,9 @@ impl Plan {
                 OtherData::unless_there("mask", mask, data.masks.len())?;
             }
         }
+        if let Some(importance) = self.importance {
+            OtherData::unless_there("mask", importance.mask, data.masks.len())?;
+        }
         for mesh in &self.meshes {
             OtherData::unless_there("mesh", mesh.mesh, data.meshes.len())?;
         }

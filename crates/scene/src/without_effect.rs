@@ -48,6 +48,11 @@ pub fn keys_without_effect(scene: &Scene, plan: &Plan, headers: &Headers) -> Vec
     };
     of_samples(scene, plan, &all, &mut keys);
     of_clips(scene, &mut keys);
+    keys.unless(
+        scene.importance.is_none() || plan.reads_importance(),
+        "importance",
+        "nothing is importance-aware by its places",
+    );
     let is_lit = all.iter().any(|reads| reads.calls("lighting"));
     let has_light = !plan.meshes.is_empty() || is_lit;
     keys.unless(

@@ -14,6 +14,7 @@ fn link(criterion: &mut Criterion) {
         is_before_geometry: false,
         techniques: Techniques::One,
         is_finite: false,
+        has_important_places: false,
     })
     .unwrap();
     let selection = [

@@ -142,8 +142,8 @@ fn global_rule() -> u32 {
     return u32(table_entry(3u).z);
 }
 
-// With a run of `segment`, which has a tint and an opacity.
-fn with_run(seen: Seen, untinted: vec4f, segment: u32) -> Seen {
+// With a run of `segment`, which has a tint and an opacity; `by_place` is the importance of its places.
+fn with_run(seen: Seen, untinted: vec4f, segment: u32, by_place: f32) -> Seen {
     let factors = bitcast<vec4f>(vec4u(
         segment_entry(segment, 1u),
         segment_entry(segment, 2u),
@@ -172,7 +172,7 @@ fn with_run(seen: Seen, untinted: vec4f, segment: u32) -> Seen {
             return Seen(run, 0.0, 1.0);
         }
         case IMPORTANCE_AWARE: {
-            return with_important(seen, run, bitcast<f32>(segment_entry(segment, 5u)));
+            return with_important(seen, run, bitcast<f32>(segment_entry(segment, 5u)) + by_place);
         }
         default: {
             return Seen(seen.color + (1.0 - seen.color.a) * run, 0.0, 1.0);
@@ -241,6 +241,7 @@ fn march(pixel: vec2u) -> vec4f {
 
     var seen = Seen(vec4f(0.0), 0.0, 0.0);
     segment_of_run = NO_SEGMENT;
+    var by_place = 0.0;
     var state = composite_start();
     for (var k = 0.0; k < count; k += 1.0) {
         let lattice_point = in_order(k, count) + first;
@@ -248,7 +249,7 @@ fn march(pixel: vec2u) -> vec4f {
         let segment = segment_at(position);
         if segment != segment_of_run {
             if technique_of_run != HIDDEN {
-                seen = with_run(seen, composite_finish(state), segment_of_run);
+                seen = with_run(seen, composite_finish(state), segment_of_run, by_place);
             }
             segment_of_run = segment;
             technique_of_run = technique_of_segment(segment);
@@ -257,6 +258,7 @@ fn march(pixel: vec2u) -> vec4f {
                 break;
             }
             state = composite_start();
+            by_place = 0.0;
         }
         if technique_of_run == HIDDEN || clip_sample(place_mm(position)) {
             continue;
@@ -269,8 +271,9 @@ fn march(pixel: vec2u) -> vec4f {
         let before_mm = hit_mm;
         state = composite_add(state, Sample(value, lattice_point, position, to_eye));
         keep_first_hit(before_mm);
+        by_place = max(by_place, importance_of_place(position));
         if composite_done(state) {
-            seen = with_run(seen, composite_finish(state), segment_of_run);
+            seen = with_run(seen, composite_finish(state), segment_of_run, by_place);
             technique_of_run = HIDDEN;
             if is_complete(seen) {
                 break;
@@ -278,7 +281,7 @@ fn march(pixel: vec2u) -> vec4f {
         }
     }
     if technique_of_run != HIDDEN {
-        seen = with_run(seen, composite_finish(state), segment_of_run);
+        seen = with_run(seen, composite_finish(state), segment_of_run, by_place);
     }
     return pixel_of(seen);
 }

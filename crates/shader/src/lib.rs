@@ -33,6 +33,7 @@
 //!     is_before_geometry: false,
 //!     techniques: Techniques::One,
 //!     is_finite: false,
+//!     has_important_places: false,
 //! };
 //! let program = Linker::new().link(&ray_loop(&one)?, &selection)?;
 //! let mut parameters = program.default_parameters();

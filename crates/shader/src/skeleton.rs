@@ -88,6 +88,8 @@ pub struct RayLoop {
     /// Whether every value is known to be finite, so that nothing has to be checked: volumes of whole
     /// numbers, and only functions of the library.
     pub is_finite: bool,
+    /// Whether runs of segments have the importance of their places, too.
+    pub has_important_places: bool,
 }
 
 /// On what it depends by which technique a sample is drawn.
@@ -118,6 +120,8 @@ pub mod bindings {
     pub const FRAME: u32 = 0;
     /// Uniform block `Parameters`: the parameters of all functions.
     pub const PARAMETERS: u32 = 1;
+    /// Uniform block `ImportanceVolume`: where the importance volume lies and how it counts.
+    pub const IMPORTANCE: u32 = 2;
     /// Sampler of the volumes that the texture unit interpolates: linear, clamped to the edge.
     pub const VOLUME_SAMPLER: u32 = 3;
     /// `texture_2d<f32>`, rgba: the transfer tables of all objects, in rows of
@@ -246,6 +250,7 @@ fn skeleton(what: &RayLoop, kind: &str, march: &str) -> Result<Skeleton, Error> 
         is_before_geometry,
         techniques,
         is_finite,
+        has_important_places,
     } = what;
     for (what, number) in [("volumes", volumes.len()), ("objects", *objects)] {
         if !(1..=MOST_OBJECTS).contains(&number) {
@@ -301,6 +306,11 @@ fn skeleton(what: &RayLoop, kind: &str, march: &str) -> Result<Skeleton, Error> 
         include_str!("../skeleton/tile.wgsl").into(),
         include_str!("../skeleton/opaque_mm.wgsl").into(),
         masks().into(),
+        include_str!("../skeleton/importance.wgsl").into(),
+        match has_important_places {
+            true => include_str!("../skeleton/runs_by_place.wgsl").into(),
+            false => include_str!("../skeleton/runs_anywhere.wgsl").into(),
+        },
         include_str!("../skeleton/texel.wgsl").into(),
         include_str!("../skeleton/linear_by_texels.wgsl").into(),
         include_str!("../skeleton/pages.wgsl").into(),

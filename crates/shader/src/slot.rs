@@ -186,7 +186,7 @@ pub static SLOTS: [Slot; 12] = [
 
 /// Functions that every module may call and no module replaces: the renderer or the linker
 /// supplies them.
-pub static SUPPLIED: [Signature; 25] = [
+pub static SUPPLIED: [Signature; 26] = [
     function("object", &[], "u32"),
     function("dims", &[], "vec3i"),
     function("texel", &[("voxel", "vec3i")], "f32"),
@@ -199,6 +199,7 @@ pub static SUPPLIED: [Signature; 25] = [
     function("voxel_of", &[("place_mm", "vec3f")], "vec3f"),
     function("step_mm", &[], "f32"),
     function("membership", &[("position", "vec3f")], "f32"),
+    function("importance_at", &[("position", "vec3f")], "f32"),
     function("in_camera", &[("v", "vec3f")], "vec3f"),
     function("table_domain", &[], "vec2f"),
     function(

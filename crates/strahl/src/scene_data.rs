@@ -46,6 +46,7 @@ pub(crate) struct SceneData {
     volumes: Vec<Volume>,
     /// Their headers at level 0.
     whole: Vec<VolumeHeader>,
+    /// Those of the clips, then the importance volume.
     masks: Vec<Volume>,
     meshes: Vec<Mesh>,
     labels: Option<LabelVolume>,
@@ -150,6 +151,11 @@ impl SceneData {
                 let mask = data.read_mask(reading, mask, &format!("clips[{i}]"))?;
                 data.masks.push(mask);
             }
+        }
+        if let Some(importance) = &scene.importance {
+            let path = PathBuf::from(&importance.path);
+            let volume = data.read_files(reading, &[path], &ReadOptions::default())?;
+            data.masks.push(volume);
         }
         for function in scene.functions.iter().flat_map(BTreeMap::values) {
             if function.is_file() && !data.modules.contains_key(&function.module) {

@@ -277,6 +277,12 @@ fn paths_of(scene: &mut Scene) -> Vec<&mut String> {
         paths.extend(labels.masks.iter_mut().flatten().map(|mask| &mut mask.path));
         paths.extend(&mut labels.table);
     }
+    paths.extend(
+        scene
+            .importance
+            .as_mut()
+            .map(|importance| &mut importance.path),
+    );
     paths.extend(scene.clips.iter_mut().flatten().filter_map(Clip::mask_path));
     let functions = scene.functions.iter_mut().flat_map(|map| map.values_mut());
     paths.extend(functions.filter(|f| f.is_file()).map(|f| &mut f.module));

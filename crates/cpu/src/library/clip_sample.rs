@@ -3,6 +3,8 @@
 mod mask;
 mod shapes;
 
+pub use shapes::in_box;
+
 use crate::lanes::{Affine, Mask, Vec3s};
 use crate::levels::{Level, vectorized};
 use crate::library::reconstruct::Values;

@@ -143,6 +143,7 @@ impl<'s, S: Level> Packet<'s, S> {
             alpha: seen_alpha,
             weight: seen_weight,
             number: seen_runs,
+            by_place,
             place: hit_place,
             has_place,
         } = &mut *self.runs;
@@ -175,6 +176,7 @@ impl<'s, S: Level> Packet<'s, S> {
             seen_alpha,
             seen_weight,
             seen_runs,
+            by_place,
             hit_place,
             has_place,
             &mut self.sampled,

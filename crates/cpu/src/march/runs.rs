@@ -22,6 +22,8 @@ pub struct Runs<S: Level> {
     pub weight: F32s<S>,
     /// … and the number of those that are not transparent, or whether there was one: 1.
     pub number: F32s<S>,
+    /// The importance of the places of the run so far.
+    pub by_place: F32s<S>,
     /// Lattice coordinate of the first hit among the runs …
     pub place: F32s<S>,
     /// … if there was one: 1.
@@ -48,6 +50,7 @@ impl<S: Level> Runs<S> {
             alpha: F32s::zero(),
             weight: F32s::zero(),
             number: F32s::zero(),
+            by_place: F32s::zero(),
             place: F32s::zero(),
             has_place: F32s::zero(),
         }

@@ -91,6 +91,9 @@ impl<S: Level> Packet<'_, S> {
         let objects = &self.scenery.objects;
         let value = self.value(&objects[0], position, kept);
         let sampled = kept & value.is_finite();
+        if segments.gain_of_places > 0.0 {
+            self.note_importance(segments.gain_of_places, position, sampled);
+        }
         let mut ended = Mask::none();
         for (i, object) in objects.iter().enumerate() {
             let own = sampled & self.runs.technique.eq(F32s::splat(1.0 + i as f32));
@@ -109,6 +112,15 @@ impl<S: Level> Packet<'_, S> {
         ended
     }
 
+    /// The importance of the places `position` of the rays `sampled` counts for their runs.
+    #[inline(never)]
+    fn note_importance(&mut self, gain: f32, position: Vec3s<S>, sampled: Mask<S>) {
+        if let Some(places) = &self.scenery.important_places {
+            let here = places.at(position) * F32s::splat(gain);
+            self.runs.by_place = sampled.select(self.runs.by_place.max(here), self.runs.by_place);
+        }
+    }
+
     /// A new run for the rays `of`.
     #[inline(always)]
     fn begin_runs(&mut self, of: Mask<S>) {
@@ -121,6 +133,7 @@ impl<S: Level> Packet<'_, S> {
             }
         }
         self.state.last_normal = last_normal;
+        self.runs.by_place = of.select(F32s::zero(), self.runs.by_place);
     }
 
     /// Adds the last runs of all rays to what they have seen, which becomes their state; says where the first hit of a
@@ -179,6 +192,7 @@ impl<S: Level> Packet<'_, S> {
         let colour = each!([0, 1, 2], |channel| run.colour[channel] * factor(channel));
         let alpha = run.alpha * factor(3);
         let importance = F32s::from_array(lanes(|i| segments.importance(of_runs[i])));
+        let importance = importance + self.runs.by_place;
         let runs = &mut *self.runs;
         if has_depth {
             let first = of & zero.lt(run.alpha) & runs.has_place.eq(zero);

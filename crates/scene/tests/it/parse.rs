@@ -137,7 +137,10 @@ fn the_manual_is_complete() {
         let masks = scene.clips.iter().flatten();
         let masks = masks.filter(|clip| matches!(clip, Clip::Mask(_)));
         let headers = Headers {
-            masks: masks.map(|_| engine.grid).collect(),
+            masks: masks
+                .map(|_| engine.grid)
+                .chain(scene.importance.iter().map(|_| engine.grid))
+                .collect(),
             ..Headers::from(engine.clone())
         };
         resolve_with(&scene, &headers).unwrap_or_else(|problems| panic!("{problems}\n{text}"));

@@ -323,6 +323,7 @@ fn scene(n: Number) -> BoxedStrategy<Scene> {
                     techniques: None,
                     segments: None,
                     composite: None,
+                    importance: None,
                     preset,
                     method,
                     threshold,

@@ -20,6 +20,7 @@ fn loop_over(volumes: &[Texels], objects: usize) -> Skeleton {
         is_before_geometry: objects > 1,
         techniques: Techniques::One,
         is_finite: volumes_are_whole,
+        has_important_places: false,
     })
     .unwrap()
 }

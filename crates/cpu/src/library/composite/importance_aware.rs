@@ -32,6 +32,13 @@ impl ImportanceAware {
                 if self.measure == 4 {
                     return one;
                 }
+                if self.measure == 5 {
+                    let places = &sample.crossing.scenery.important_places;
+                    return match places {
+                        Some(places) => places.at(sample.position),
+                        None => zero,
+                    };
+                }
                 if self.measure == 3 {
                     let share = (sample.value - F32s::splat(self.low))
                         .over(F32s::splat(self.high - self.low));
