@@ -13,12 +13,12 @@ use strahl_graph::{Compiler, Graph, standard};
 use strahl_scene::plan::{
     Composite, Field, Illuminate, Plan, PlanMesh, SampleClip, Shade, Technique,
 };
-use strahl_scene::{Image, Scene, resolve};
+use strahl_scene::{Image, Rendered, Scene, resolve};
 use strahl_volume::phantom::Phantom;
 use strahl_volume::{Control, Datasets, Samples};
 
 /// Draws `graph` on the GPU.
-fn on_gpu(data: impl Into<Datasets>, plan: &Plan, graph: &Graph) -> Option<Image> {
+pub fn on_gpu(data: impl Into<Datasets>, plan: &Plan, graph: &Graph) -> Option<Image> {
     let mut renderer = Renderer::new(device()?, data);
     let functions = renderer.functions(plan).unwrap();
     let what = renderer.loop_of(plan).unwrap();
@@ -68,8 +68,13 @@ fn the_standard_graph_is_the_picture_of_the_settings() {
 
 /// Draws `plan` by its program and by its standard graph, both evaluated.
 pub fn twice(data: &Datasets, plan: &Plan) -> [Image; 2] {
+    twice_rendered(data, plan).map(|rendered| rendered.image)
+}
+
+/// The same, with distances.
+pub fn twice_rendered(data: &Datasets, plan: &Plan) -> [Rendered; 2] {
     let mut evaluator = Evaluator::new(data.clone());
-    let settings = evaluator.render(plan, &Control::NONE).unwrap().image;
+    let settings = evaluator.render(plan, &Control::NONE).unwrap();
     let (what, functions) = (
         evaluator.loop_of(plan).unwrap(),
         evaluator.functions(plan).unwrap(),
@@ -80,7 +85,7 @@ pub fn twice(data: &Datasets, plan: &Plan) -> [Image; 2] {
         .unwrap_or_else(|error| panic!("{error}"));
     let (program, parameters) = (&compiled.program, &compiled.parameters);
     let drawn = evaluator.render_by(plan, program, parameters, &[], &Control::NONE);
-    [settings, drawn.unwrap().image]
+    [settings, drawn.unwrap()]
 }
 
 fn assert_same(what: &str, [settings, by_graph]: &[Image; 2]) {

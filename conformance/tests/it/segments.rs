@@ -1,5 +1,6 @@
 //! Segments of label volumes, each drawn by a technique of its own.
 
+use crate::graph::{on_gpu, twice_rendered};
 use crate::random::{Random, seeds};
 use crate::simple::{blinn_phong, centred, cut_box, of_samples, parallel, plan, white};
 use crate::techniques::{any_technique, light, linked};
@@ -10,6 +11,7 @@ use std::sync::Arc;
 use strahl_conformance::agreement::agreement;
 use strahl_conformance::device;
 use strahl_evaluate::Evaluator;
+use strahl_graph::standard;
 use strahl_scene::plan::*;
 use strahl_scene::transfer::TransferTable;
 use strahl_shader::Linker;
@@ -475,6 +477,29 @@ fn all_renderers_draw_segments_by_their_techniques() {
         let apart = agreement(&cpu.image, &gpu.image);
         assert!(apart.psnr_db >= 45.0, "on the GPU: {apart:?} {what}");
     }
+}
+
+/// Each technique as a group of nodes: the same pixels and depths, bit by bit.
+#[test]
+fn segments_are_their_standard_graph() {
+    let mut by_looks = [0; 2];
+    for seed in seeds(24) {
+        let mut random = Random::new(seed ^ 0x96A9);
+        let (volume, labels, plan) = any_segments(&mut random);
+        let data = data(&volume, &labels);
+        let [settings, by_graph] = twice_rendered(&data, &plan);
+        let what = format!("seed {seed}: {plan:#?}");
+        assert!(settings.image.pixels() == by_graph.image.pixels(), "{what}");
+        assert!(settings.depth_mm == by_graph.depth_mm, "{what}");
+        if let Some(gpu) = on_gpu(data, &plan, &standard(&plan).unwrap()) {
+            let apart = agreement(&settings.image, &gpu);
+            assert!(apart.psnr_db >= 45.0, "on the GPU: {apart:?} {what}");
+        }
+        for technique in &plan.techniques {
+            by_looks[usize::from(technique.composite.function().adds_looks)] += 1;
+        }
+    }
+    assert!(by_looks.iter().all(|number| *number > 5), "{by_looks:?}");
 }
 
 #[test]

@@ -60,7 +60,7 @@ pub enum What {
         function: Function,
         /// Its arguments.
         arguments: Vec<Operand>,
-        /// Which object it reads.
+        /// Which object it reads; of a scene with segments, of which technique it is.
         object: usize,
         /// Where it is computed.
         stage: Stage,
@@ -108,13 +108,16 @@ struct Value {
     meaning: Option<Meaning>,
 }
 
-/// Everything wrong with `graph`, or what it means. `objects` is how many objects the scene has.
+/// Everything wrong with `graph`, or what it means. `objects` is how many objects the scene has,
+/// `techniques` how many techniques its segments have; 0 if it has no segments.
 pub fn check(
     graph: &Graph,
     patterns: &Patterns,
     objects: usize,
+    techniques: usize,
 ) -> Result<CheckedGraph, Vec<Problem>> {
     let mut checker = Checker::new(graph, patterns, objects);
+    checker.techniques = techniques;
     checker.number();
     // Of so many, nobody wants to know what else is wrong.
     checker.stop()?;
@@ -122,6 +125,7 @@ pub fn check(
     checker.problems.extend(crate::slicing::problems(graph));
     checker.problems.extend(crate::unread::unread(graph));
     checker.functions();
+    checker.segments();
     // Without names and functions nothing can be found.
     checker.stop()?;
     checker.values();
@@ -137,6 +141,7 @@ struct Checker<'g> {
     graph: &'g Graph,
     patterns: &'g Patterns,
     objects: usize,
+    techniques: usize,
     problems: Vec<Problem>,
     warnings: Vec<Problem>,
     by_name: HashMap<&'g str, usize>,
@@ -166,6 +171,7 @@ impl<'g> Checker<'g> {
             graph,
             patterns,
             objects,
+            techniques: 0,
             problems: Vec::new(),
             warnings: Vec::new(),
             by_name: HashMap::new(),
@@ -289,6 +295,48 @@ impl<'g> Checker<'g> {
                     self.loop_nodes.len()
                 ),
             );
+        }
+    }
+
+    /// That nodes fit a scene with segments, or one without.
+    fn segments(&mut self) {
+        let techniques = self.techniques;
+        if techniques > 0 && self.graph.slicing.is_some() {
+            self.wrong(
+                "slicing",
+                "slices cannot draw the segments of a label volume, whose runs lie along rays; remove `slicing`, or `labels` from the scene",
+            );
+        }
+        for node in &self.graph.nodes {
+            let place = format!("nodes.{}", node.name);
+            if techniques == 0 && node.technique > 0 {
+                self.wrong(
+                    format!("{place}.technique"),
+                    "the scene has no segments with techniques; remove this key, or give the scene `labels`",
+                );
+            } else if techniques > 0 && node.technique >= techniques {
+                self.wrong(
+                    format!("{place}.technique"),
+                    format!(
+                        "technique {}; the scene has {techniques}, counted from 0",
+                        node.technique
+                    ),
+                );
+            }
+            let Kind::Pattern(name) = &node.kind else {
+                continue;
+            };
+            if techniques == 0 && functions::OF_SEGMENTS.contains(&name.as_str()) {
+                self.wrong(
+                    place,
+                    format!("the pattern `{name}` is for the segments of a scene; this one has none: give it `labels`"),
+                );
+            } else if techniques > 0 && functions::NOT_OF_SEGMENTS.contains(&name.as_str()) {
+                self.wrong(
+                    place,
+                    format!("the pattern `{name}` is not for a scene with segments, each of whose techniques has a composite and bounds of its own; the standard graph (`graph show`) has the nodes for them"),
+                );
+            }
         }
     }
 
@@ -1274,7 +1322,11 @@ impl<'g> Checker<'g> {
                 (_, Some(function)) => What::Call {
                     function: function.clone(),
                     arguments: found.arguments.iter().map(&moved).collect(),
-                    object: this.object,
+                    object: if self.techniques > 0 {
+                        this.technique
+                    } else {
+                        this.object
+                    },
                     stage: this.stage,
                 },
                 (_, None) => continue,

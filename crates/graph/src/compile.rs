@@ -19,7 +19,8 @@ pub struct CompiledGraph {
     pub program: Arc<Program>,
     /// The bytes of its parameters' uniform block.
     pub parameters: Vec<u8>,
-    /// The textures that it reads, in the order of their bindings, with their nodes' names and objects.
+    /// The textures that it reads, in the order of their bindings, with their nodes' names and objects; of a scene with
+    /// segments, with their techniques.
     pub textures: Vec<(String, Texture, usize)>,
     /// If it is drawn by slices: how these are blended. Its program then is that of a slice.
     pub slicing: Option<Slicing>,
@@ -44,6 +45,7 @@ struct Key {
     graph: Graph,
     what: RayLoop,
     selection: Selection,
+    techniques: usize,
 }
 
 /// Shapes that a compiler remembers.
@@ -101,8 +103,12 @@ impl Compiler {
             return Err(wrong(vec![Problem::new("slicing", why)]));
         }
         let selection = &functions.selection;
+        let techniques = functions.techniques_of_segments;
         let seen = (self.shapes.iter()).position(|(key, _)| {
-            key.what == *what && key.selection == *selection && is_same_shape(&key.graph, graph)
+            key.what == *what
+                && key.selection == *selection
+                && key.techniques == techniques
+                && is_same_shape(&key.graph, graph)
         });
         let shape = match seen.and_then(|i| self.shapes.remove(i)) {
             Some((key, shape)) => {
@@ -117,7 +123,8 @@ impl Compiler {
                 shape
             }
             None => {
-                let checked = check::check(graph, &self.patterns, what.objects).map_err(wrong)?;
+                let checked =
+                    check::check(graph, &self.patterns, what.objects, techniques).map_err(wrong)?;
                 let shape = Arc::new(self.link(graph, checked, what, functions).map_err(
                     |e| match e {
                         Wrong::Graph(problems) => wrong(problems),
@@ -128,6 +135,7 @@ impl Compiler {
                     graph: graph.clone(),
                     what: what.clone(),
                     selection: selection.clone(),
+                    techniques,
                 };
                 self.shapes.push_front((key, shape.clone()));
                 self.shapes.truncate(MOST_SHAPES);
@@ -147,7 +155,14 @@ impl Compiler {
         let textures = shape.textures.iter().filter_map(|n| {
             let node = &graph.nodes[*n];
             match &node.kind {
-                Kind::Texture(texture) => Some((node.name.clone(), texture.clone(), node.object)),
+                Kind::Texture(texture) => {
+                    let of = if techniques > 0 {
+                        node.technique
+                    } else {
+                        node.object
+                    };
+                    Some((node.name.clone(), texture.clone(), of))
+                }
                 _ => None,
             }
         });
@@ -168,8 +183,7 @@ impl Compiler {
         functions: &Functions,
     ) -> Result<Shape, Wrong> {
         let checked = folded(checked, what, &functions.selection);
-        let emitted =
-            emit(&checked, what.objects, graph.slicing.map(|s| s.order)).map_err(Wrong::Graph)?;
+        let emitted = emit(&checked, what, graph.slicing.map(|s| s.order)).map_err(Wrong::Graph)?;
         let skeleton = graph_loop(
             what,
             &emitted.march,
@@ -251,6 +265,7 @@ fn is_same_shape(a: &Graph, b: &Graph) -> bool {
             && is_same_kind(&a.kind, &b.kind)
             && a.inputs == b.inputs
             && a.object == b.object
+            && a.technique == b.technique
             && a.stage == b.stage
             && a.comment == b.comment
     };

@@ -277,6 +277,9 @@ impl Drawing<'_> {
             if node.object > 0 {
                 let _ = write!(title, "\nobject {}", node.object);
             }
+            if node.technique > 0 {
+                let _ = write!(title, "\ntechnique {}", node.technique);
+            }
             if !node.comment.is_empty() {
                 let _ = write!(title, "\n{}", node.comment);
             }

@@ -2,6 +2,7 @@
 
 use crate::error::Problem;
 use crate::functions::{self, Patterns, nearest};
+use crate::group::unfolded;
 use crate::model::{CarriedVariable, Constant, Graph, Input, Kind, Node, Reference};
 use std::collections::HashMap;
 
@@ -58,6 +59,64 @@ pub enum Edit {
     Remove(Vec<String>),
     /// Another graph in place of everything.
     Everything(Graph),
+}
+
+impl Edit {
+    /// The names of the nodes that have to be there already, and that the command changes.
+    fn changed_nodes(&self) -> Vec<String> {
+        let node = |path: &str| path.split('.').next().unwrap_or_default().to_owned();
+        match self {
+            Edit::Connect(inputs) => inputs.iter().map(|(to, _)| node(to)).collect(),
+            Edit::Insert {
+                node: name, into, ..
+            } => vec![name.clone(), node(into)],
+            Edit::ReplaceNode { node, .. } => vec![node.clone()],
+            Edit::ReplaceStage { stage, .. } => stage_of(stage).map_or_else(Vec::new, |stage| {
+                stage.ends().into_iter().map(|(_, end)| end).collect()
+            }),
+            Edit::Carry(variables) => variables.iter().map(|(to, _)| node(to)).collect(),
+            Edit::Set(values) => values.iter().map(|(to, _)| node(to)).collect(),
+            Edit::Remove(names) => names.clone(),
+            Edit::Add(_) | Edit::Root(_) | Edit::RemoveRoot(_) | Edit::Everything(_) => Vec::new(),
+        }
+    }
+}
+
+/// A stage, of the graph or of a group in it.
+struct StageOfGroup<'s> {
+    /// What the names of the group's nodes begin with.
+    prefix: &'s str,
+    name: &'static str,
+    parts: &'static [&'static str],
+}
+
+impl StageOfGroup<'_> {
+    /// The anchors behind it, each with its part.
+    fn ends(&self) -> Vec<(&'static str, String)> {
+        let Self {
+            prefix,
+            name,
+            parts,
+        } = self;
+        match parts {
+            [] => vec![("", format!("{prefix}after_{name}"))],
+            _ => (parts.iter())
+                .map(|part| (*part, format!("{prefix}after_{name}_{part}")))
+                .collect(),
+        }
+    }
+}
+
+/// The stage called `stage`, or `GROUP_stage` of a group.
+fn stage_of(stage: &str) -> Option<StageOfGroup<'_>> {
+    STAGES.iter().find_map(|(name, parts)| {
+        let prefix = stage.strip_suffix(name)?;
+        (prefix.is_empty() || prefix.ends_with('_')).then_some(StageOfGroup {
+            prefix,
+            name,
+            parts,
+        })
+    })
 }
 
 /// What comes in place of something.
@@ -174,7 +233,33 @@ impl Editor<'_> {
         why
     }
 
+    /// Unfolds groups if a command names a node inside one, by the name that it has then.
+    fn unfold_for(&mut self, command: &Edit) {
+        let names = command.changed_nodes();
+        let is_within = |name: &str| {
+            let of_group = |node: &Node| {
+                matches!(node.kind, Kind::Group(_))
+                    && name
+                        .strip_prefix(&node.name)
+                        .is_some_and(|n| n.starts_with('_'))
+            };
+            self.graph.node(name).is_none() && self.graph.nodes.iter().any(of_group)
+        };
+        if !names.iter().any(|name| is_within(name)) {
+            return;
+        }
+        // What is wrong with a group is found when the graph is compiled.
+        if let Ok(whole) = unfolded(&self.graph)
+            && names
+                .iter()
+                .any(|name| is_within(name) && whole.node(name).is_some())
+        {
+            self.graph = whole;
+        }
+    }
+
     fn carry_out(&mut self, command: &Edit, place: &str) {
+        self.unfold_for(command);
         match command {
             Edit::Add(nodes) => {
                 for node in nodes {
@@ -498,7 +583,7 @@ impl Editor<'_> {
     }
 
     fn replace_stage(&mut self, stage: &str, by: &Replacement, place: &str) {
-        let Some((_, parts)) = STAGES.iter().find(|(name, _)| *name == stage) else {
+        let Some(found) = stage_of(stage) else {
             let names: Vec<_> = STAGES.iter().map(|(name, _)| *name).collect();
             self.wrong(
                 format!("{place}.stage"),
@@ -506,15 +591,15 @@ impl Editor<'_> {
             );
             return;
         };
+        let (name, parts, anchors) = (found.name, found.parts, found.ends());
         let ends: Vec<(String, Input)> = match by {
-            Replacement::One(reference) if parts.is_empty() => {
-                vec![(format!("after_{stage}.in"), Input::From(reference.clone()))]
-            }
-            Replacement::One(reference) => (parts.iter())
-                .map(|part| {
+            Replacement::One(reference) => (anchors.into_iter())
+                .map(|(part, anchor)| {
                     let mut reference = reference.clone();
-                    reference.path.push((*part).to_owned());
-                    (format!("after_{stage}_{part}.in"), Input::From(reference))
+                    if !part.is_empty() {
+                        reference.path.push(part.to_owned());
+                    }
+                    (format!("{anchor}.in"), Input::From(reference))
                 })
                 .collect(),
             Replacement::Parts(given) => {
@@ -537,15 +622,18 @@ impl Editor<'_> {
                         return;
                     }
                 }
+                let anchor = |part: &str| anchors.iter().find(|(p, _)| *p == part);
                 (given.iter())
-                    .map(|(part, from)| (format!("after_{stage}_{part}.in"), from.clone()))
+                    .filter_map(|(part, from)| {
+                        Some((format!("{}.in", anchor(part)?.1), from.clone()))
+                    })
                     .collect()
             }
         };
         for (to, from) in ends {
             self.connect(&to, from, place);
         }
-        if matches!(stage, "sample" | "classify") {
+        if matches!(name, "sample" | "classify") {
             self.stop_skipping();
         }
     }

@@ -16,7 +16,7 @@ use std::collections::{HashMap, HashSet};
 use std::fmt::Write;
 use std::sync::Arc;
 use strahl_program::Order;
-use strahl_shader::{MOST_TURNS, Module, bindings, surrounding_words};
+use strahl_shader::{MOST_TURNS, Module, RayLoop, Techniques, bindings, surrounding_words};
 
 /// `if` and loops in one another. Compilers read programs by recursion.
 const DEEPEST: usize = 48;
@@ -52,7 +52,7 @@ struct Place {
 
 struct Emitter<'c> {
     graph: &'c CheckedGraph,
-    objects: usize,
+    what: &'c RayLoop,
     places: Vec<Place>,
     /// Where each node is computed.
     place: Vec<usize>,
@@ -71,15 +71,15 @@ struct Emitter<'c> {
     turns: Option<String>,
 }
 
-/// Writes `graph` for a scene of `objects`: along rays, or a slice of so many that come in this order.
+/// Writes `graph` for what is drawn: along rays, or a slice of so many that come in this order.
 pub fn emit(
     graph: &CheckedGraph,
-    objects: usize,
+    what: &RayLoop,
     slices: Option<Order>,
 ) -> Result<EmittedProgram, Vec<Problem>> {
     let mut emitter = Emitter {
         graph,
-        objects,
+        what,
         places: vec![Place {
             parent: None,
             depth: 0,
@@ -436,6 +436,14 @@ impl Emitter<'_> {
         format!("{}({})", self.labels[i], arguments.join(", "))
     }
 
+    /// Says of which object, or of which technique, the functions are that are called next.
+    fn choice(&self, number: usize) -> Option<String> {
+        if self.what.techniques == Techniques::OfSegments {
+            return Some(format!("technique_of_run = {}u;", number + 1));
+        }
+        (self.what.objects > 1).then(|| format!("current = {number}u;"))
+    }
+
     fn block(&mut self, place: usize, indent: usize) {
         for i in std::mem::take(&mut self.nodes_of[place]) {
             self.statement(i, indent);
@@ -450,8 +458,10 @@ impl Emitter<'_> {
         }
         match &node.what {
             What::Call { object, .. } => {
-                if self.objects > 1 && self.current != Some(*object) {
-                    self.line(indent, &format!("current = {object}u;"));
+                if self.current != Some(*object)
+                    && let Some(text) = self.choice(*object)
+                {
+                    self.line(indent, &text);
                     self.current = Some(*object);
                 }
                 let text = format!("let {} = {};", self.locals[i][0], self.call(i));
@@ -702,9 +712,9 @@ impl Emitter<'_> {
                 }
             }
             if let What::Call { object, .. } = &node.what
-                && self.objects > 1
+                && let Some(text) = self.choice(*object)
             {
-                let _ = writeln!(body, "    current = {object}u;");
+                let _ = writeln!(body, "    {text}");
             }
             let _ = writeln!(body, "    let {local} = {};", self.call(i));
             let mut outputs = Vec::new();
@@ -780,9 +790,9 @@ impl Emitter<'_> {
     /// What a pixel does with a slice: outside of everything it draws nothing.
     fn slice_entry(&self) -> String {
         let mut text = "@fragment\nfn fragment(at: VertexOut) -> @location(0) vec4f {\n    receive(at);\n    pixel_of_part = vec2u(at.place.xy);\n    let pixel = pixel_of_part + frame.origin;\n".to_owned();
-        if self.objects > 1 {
+        if self.what.objects > 1 {
             text.push_str("    var is_inside = false;\n");
-            for object in 0..self.objects {
+            for object in 0..self.what.objects {
                 let _ = writeln!(text, "    current = {object}u;");
                 text.push_str("    is_inside = is_inside || slice_of_pixel(pixel).is_inside;\n");
             }

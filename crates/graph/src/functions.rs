@@ -167,7 +167,7 @@ const SAMPLE: [(&str, &str, &str); 5] = [
     ("to_eye", "vec3f", "direction.world"),
 ];
 
-static BUILT_IN: [BuiltIn; 14] = [
+static BUILT_IN: [BuiltIn; 25] = [
     BuiltIn {
         name: RAY,
         call: "ray_of_pixel",
@@ -314,6 +314,127 @@ static BUILT_IN: [BuiltIn; 14] = [
         inputs: &[("state", "CompositeState", "")],
         outputs: &[("out", "vec4f", "")],
     },
+    BuiltIn {
+        name: "enter_segment",
+        call: "enter_segment",
+        comment: "The segment at a position: that whose labels have the largest weight around it. Functions of techniques read the position that comes out.",
+        inputs: &[("position", "vec3f", "position.voxel")],
+        outputs: &[
+            ("segment", "u32", ""),
+            ("position", "vec3f", "position.voxel"),
+        ],
+    },
+    BuiltIn {
+        name: "no_runs",
+        call: "no_runs",
+        comment: "What a ray has seen before its first run.",
+        inputs: &[],
+        outputs: &[("out", "Runs", "")],
+    },
+    BuiltIn {
+        name: "technique_of_new_run",
+        call: "technique_of_new_run",
+        comment: "The technique of a run that begins, counted from 1; 0 if its segment is hidden, or covered by the runs before it.",
+        inputs: &[("segment", "u32", ""), ("runs", "Runs", "")],
+        outputs: &[("out", "u32", "")],
+    },
+    BuiltIn {
+        name: "is_technique",
+        call: "is_technique",
+        comment: "Whether the technique of a run is this one, which is counted from 0.",
+        inputs: &[("technique", "u32", ""), ("number", "u32", "")],
+        outputs: &[("out", "bool", "")],
+    },
+    BuiltIn {
+        name: "run_of_look",
+        call: "run_of_look",
+        comment: "A sample with its look, added to the run by the composite of the node's technique; the opacity is that of a step.",
+        inputs: &[
+            SAMPLE[0],
+            SAMPLE[1],
+            SAMPLE[2],
+            SAMPLE[3],
+            SAMPLE[4],
+            ("color", "vec3f", "color.linear"),
+            ("opacity", "f32", "opacity.step"),
+        ],
+        outputs: &[("out", "CompositeState", "")],
+    },
+    BuiltIn {
+        name: "run_of_sample",
+        call: "run_of_sample",
+        comment: "A sample, added to the run by a composite of the node's technique that asks for no look.",
+        inputs: &SAMPLE,
+        outputs: &[("out", "CompositeState", "")],
+    },
+    BuiltIn {
+        name: "is_run_done",
+        call: "is_run_done",
+        comment: "Whether the composite of the run's technique needs no more samples.",
+        inputs: &[("state", "CompositeState", ""), ("technique", "u32", "")],
+        outputs: &[("out", "bool", "")],
+    },
+    BuiltIn {
+        name: "with_place",
+        call: "with_place",
+        comment: "The importance of the places of a run, with one more; 0 without an importance volume.",
+        inputs: &[
+            ("by_place", "f32", ""),
+            ("position", "vec3f", "position.voxel"),
+        ],
+        outputs: &[("out", "f32", "")],
+    },
+    BuiltIn {
+        name: "with_closed_run",
+        call: "with_closed_run",
+        comment: "The runs with one more, which ends here; by the scene's rule for runs.",
+        inputs: &[
+            ("runs", "Runs", ""),
+            ("state", "CompositeState", ""),
+            ("by_place", "f32", ""),
+            ("segment", "u32", ""),
+            ("technique", "u32", ""),
+        ],
+        outputs: &[("out", "Runs", "")],
+    },
+    BuiltIn {
+        name: "is_covered",
+        call: "is_complete",
+        comment: "Whether nothing behind the runs can be seen.",
+        inputs: &[("runs", "Runs", "")],
+        outputs: &[("out", "bool", "")],
+    },
+    BuiltIn {
+        name: "pixel_of_runs",
+        call: "pixel_of",
+        comment: "The pixel that the runs make: color, premultiplied, and opacity.",
+        inputs: &[("runs", "Runs", "")],
+        outputs: &[("out", "vec4f", "")],
+    },
+];
+
+/// Patterns that only a scene with segments has.
+pub(crate) const OF_SEGMENTS: [&str; 11] = [
+    "enter_segment",
+    "no_runs",
+    "technique_of_new_run",
+    "is_technique",
+    "run_of_look",
+    "run_of_sample",
+    "is_run_done",
+    "with_place",
+    "with_closed_run",
+    "is_covered",
+    "pixel_of_runs",
+];
+
+/// Patterns that a scene with segments does not have: each of its techniques has a composite of its own, and what
+/// can be seen depends on the segment.
+pub(crate) const NOT_OF_SEGMENTS: [&str; 4] = [
+    "empty_points",
+    "composite_of_look",
+    "composite_of_sample",
+    "composite_done",
 ];
 
 macro_rules! texts {

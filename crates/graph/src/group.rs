@@ -135,6 +135,7 @@ fn one_level(mut graph: Graph) -> Result<Graph, Vec<Problem>> {
         for mut within in inner.nodes {
             within.name = format!("{}_{}", node.name, within.name);
             within.object = within.object.max(node.object);
+            within.technique = within.technique.max(node.technique);
             nodes.push(within);
         }
     }

@@ -41,6 +41,8 @@ pub struct Node {
     pub params: Vec<(String, Vec<f64>)>,
     /// Which object of the scene its function reads, from 0.
     pub object: usize,
+    /// Of a scene with segments, which of its techniques its function is of, from 0.
+    pub technique: usize,
     /// Where it is computed, and how its outputs get from the vertices to the pixels.
     pub stage: Stage,
     /// A word for people, printed into the program.
@@ -56,6 +58,7 @@ impl Node {
             inputs: Vec::new(),
             params: Vec::new(),
             object: 0,
+            technique: 0,
             stage: Stage::Pixel,
             comment: String::new(),
         }

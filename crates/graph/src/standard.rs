@@ -3,11 +3,13 @@
 //! Every stage stands between two anchors, `before_STAGE` and `after_STAGE`, which are there whatever the
 //! settings are: clip_ray, jitter, sample, clip_sample, classify, shade, composite. Edits hold on to them. Of
 //! several objects, the second and all further ones have nodes of their own, with `_1` and so on behind their
-//! names.
+//! names. Of segments, each technique is a group.
+
+mod segments;
 
 use crate::error::{Error, Problem};
 use crate::model::{CarriedVariable, Constant, Graph, Input, Kind, Loop, Node, Reference};
-use strahl_scene::plan::{Composite, Plan, Sampling, Shade};
+use strahl_scene::plan::{Composite, Plan, Sampling, Shade, Technique};
 use strahl_shader::registry::mixing_rules;
 
 /// The graph that draws `plan`, with its slots as the settings fill them.
@@ -24,7 +26,8 @@ pub fn standard(plan: &Plan) -> Result<Graph, Error> {
         let rule = plan.sampling.name();
         return Err(Error::Sampling { rule });
     }
-    if let Composite::Debug(_) = plan.technique().composite {
+    let is_debug = |technique: &Technique| matches!(technique.composite, Composite::Debug(_));
+    if plan.drawn_techniques().any(is_debug) {
         return Err(refused_at(
             "debug",
             "a graph cannot draw a debug view, which `debug` or quality \"null\" asks for; remove that key, or draw without a graph",
@@ -36,18 +39,18 @@ pub fn standard(plan: &Plan) -> Result<Graph, Error> {
             mixing_rules()
         )));
     }
-    if plan.labelled().is_some() {
-        return Err(refused(
-            "a graph cannot draw the segments of a label volume; draw without a graph",
-        ));
-    }
     let mut graph = Builder {
         plan,
+        within: None,
         graph: Graph {
             name: "standard".to_owned(),
             ..Graph::default()
         },
     };
+    if plan.labelled().is_some() {
+        graph.segments();
+        return Ok(graph.graph);
+    }
     if plan.layers.len() > 1 {
         graph.several(plan.technique().composite == Composite::BackToFront);
         return Ok(graph.graph);
@@ -69,6 +72,8 @@ pub fn standard(plan: &Plan) -> Result<Graph, Error> {
 
 struct Builder<'p> {
     plan: &'p Plan,
+    /// The number of the technique whose group is built.
+    within: Option<usize>,
     graph: Graph,
 }
 
@@ -198,6 +203,11 @@ impl Builder<'_> {
                 .input("k", "samples.k")
                 .input("empty", "empty"),
         );
+        self.value();
+    }
+
+    /// The value at `position`, and whether it counts.
+    fn value(&mut self) {
         self.anchor("before_clip_sample", "position");
         self.put(pattern("place_mm", "world_from_voxel").input("position", "before_clip_sample"));
         self.put(slot("clip_sample", "clip_sample").input("place_mm", "place_mm"));
@@ -207,6 +217,21 @@ impl Builder<'_> {
         self.put(slot("sample", "reconstruct").input("position", "before_sample"));
         self.anchor("after_sample", "sample");
         self.put(pattern("is_value", "is_value").input("value", "after_sample"));
+    }
+
+    /// How `object` is shaded, or what the group draws.
+    fn shade(&self, object: usize) -> Shade {
+        match self.within {
+            Some(technique) => self.plan.techniques[technique].shade,
+            None => self.plan.technique_of(object).shade,
+        }
+    }
+
+    fn to_eye(&self) -> &'static str {
+        match self.within {
+            Some(_) => "inputs.to_eye",
+            None => "ray.to_eye",
+        }
     }
 
     /// From `value` at `position` to colour and opacity of the reference length: `after_shade_color`,
@@ -229,8 +254,20 @@ impl Builder<'_> {
             own("before_shade") + ".opacity",
         );
         let gradient = slot(&own("gradient"), "gradient").input("position", position);
-        match self.plan.technique_of(object).shade {
+        match self.shade(object) {
             Shade::Unlit => {}
+            // The memory of the last normal is one for all techniques that ask for it.
+            Shade::Lit {
+                keep_last_normal: true,
+                ..
+            } if self.within.is_some() => {
+                let shaded = slot(&own("shaded"), "shade")
+                    .input("surface", own("before_shade").as_str())
+                    .input("position", position)
+                    .input("to_eye", self.to_eye());
+                self.put_of(object, shaded);
+                (color, opacity) = (own("shaded") + ".color", own("shaded") + ".opacity");
+            }
             Shade::Lit {
                 ambient,
                 keep_last_normal,
@@ -242,14 +279,14 @@ impl Builder<'_> {
                         let normals = pattern(&own("normals"), "last_normal")
                             .input("gradient_here", own("gradient").as_str())
                             .input("last", last)
-                            .input("to_eye", "ray.to_eye");
+                            .input("to_eye", self.to_eye());
                         self.put_of(object, normals);
                         own("normals") + ".facing"
                     }
                     _ => {
                         let normal = pattern(&own("normal"), "normal_of_gradient")
                             .input("gradient_here", own("gradient").as_str())
-                            .input("to_eye", "ray.to_eye");
+                            .input("to_eye", self.to_eye());
                         self.put_of(object, normal);
                         own("normal")
                     }
@@ -258,7 +295,7 @@ impl Builder<'_> {
                     .input("color", color.as_str())
                     .input("normal", normal.as_str())
                     .input("position", position)
-                    .input("to_eye", "ray.to_eye")
+                    .input("to_eye", self.to_eye())
                     .param("ambient", one(ambient));
                 self.put_of(object, lit);
                 color = own("lit");
@@ -433,7 +470,7 @@ impl Builder<'_> {
             .input("position", "position")
             .input("to_eye", "ray.to_eye");
         if adds_looks {
-            self.visible_look(keeps_normal);
+            self.visible_look("after_sample", "position", keeps_normal);
             composite = composite
                 .input("color", "before_composite_color")
                 .input("opacity", "before_composite_opacity");
@@ -472,8 +509,8 @@ impl Builder<'_> {
     }
 
     /// The look of a sample as `look` of shader functions gives it: nothing where nothing is visible.
-    fn visible_look(&mut self, keeps_normal: bool) {
-        self.look("after_sample", "position", Some("samples.normal"));
+    fn visible_look(&mut self, value: &str, position: &str, keeps_normal: bool) {
+        self.look(value, position, Some("samples.normal"));
         self.put(pattern("step_opacity", "step_opacity").input("opacity", "after_shade_opacity"));
         self.put(pattern("is_visible", "above").input("a", "after_classify.opacity"));
         let mut visible = Node::new("visible", Kind::If)

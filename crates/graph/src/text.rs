@@ -645,6 +645,9 @@ struct NodeText {
     /// Which object of the scene its function reads, from 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     object: Option<usize>,
+    /// Of a scene with segments, which of its techniques its function is of, from 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    technique: Option<usize>,
     /// Where it is computed; `pixel`, the default, is wherever it is needed.
     #[serde(skip_serializing_if = "Option::is_none")]
     stage: Option<StageText>,
@@ -1298,6 +1301,7 @@ impl Reader<'_, '_> {
             inputs,
             params,
             object: text.object.unwrap_or(0),
+            technique: text.technique.unwrap_or(0),
             stage,
             comment: text.comment.unwrap_or_default(),
         }))
@@ -1397,6 +1401,7 @@ fn node_text(node: &Node) -> NodeText {
         Kind::Group(graph) => text.graph = Some(Box::new(graph_text(graph))),
     }
     text.object = (node.object > 0).then_some(node.object);
+    text.technique = (node.technique > 0).then_some(node.technique);
     if let Stage::Vertex(how) = node.stage {
         text.stage = Some(StageText::Vertex);
         text.interpolation = match how {

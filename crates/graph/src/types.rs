@@ -41,7 +41,7 @@ const fn vector(components: usize) -> Type {
     Type::Vector(Scalar::F32, components)
 }
 
-static STRUCTS: [Struct; 5] = [
+static STRUCTS: [Struct; 6] = [
     Struct {
         name: "Surface",
         members: &[
@@ -76,6 +76,15 @@ static STRUCTS: [Struct; 5] = [
     Struct {
         name: "CompositeState",
         members: &[],
+    },
+    // What the runs of a ray over segments add up to.
+    Struct {
+        name: "Runs",
+        members: &[
+            ("color", vector(4), None),
+            ("weight", vector(1), None),
+            ("number", vector(1), None),
+        ],
     },
 ];
 

@@ -16,6 +16,8 @@ use strahl_shader::{
 pub struct Functions {
     /// The functions, for the linker.
     pub selection: Selection,
+    /// Techniques among which the segments of the one object choose; 0 if it has no segments.
+    pub techniques_of_segments: usize,
     /// Slot, parameter, value; in the order of the functions in their slot.
     values: Vec<Values>,
 }
@@ -40,6 +42,7 @@ impl Choices {
         for technique in plan.drawn_techniques() {
             let mut own = Functions {
                 selection: Selection::new(),
+                techniques_of_segments: 0,
                 values: Vec::new(),
             };
             own.technique(technique)?;
@@ -111,6 +114,7 @@ impl Functions {
         }
         let mut functions = Functions {
             selection: Selection::new(),
+            techniques_of_segments: plan.labelled().map_or(0, |_| plan.techniques.len()),
             values: Vec::new(),
         };
         functions.ray(plan, mask_threshold)?;

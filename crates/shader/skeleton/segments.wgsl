@@ -1,5 +1,5 @@
-// The loop over one object in segments: samples of one segment in a row are a run, which its technique
-// makes into one sample; runs add up front to back.
+// What the loop over one object in segments calls: samples of one segment in a row are a run, which its
+// technique makes into one sample; runs add up front to back.
 
 @group(0) @binding(14) var labels: texture_3d<u32>;
 /// Rows of `TABLE_ROW` entries, `SEGMENT_ENTRIES` for each segment.
@@ -125,8 +125,8 @@ fn technique_of_segment(segment: u32) -> u32 {
     return segment_entry(segment, 0u);
 }
 
-// What the runs of a ray add up to, and what the rule remembers of them.
-struct Seen {
+/// What the runs of a ray add up to, and what the rule remembers of them.
+struct Runs {
     color: vec4f,
     weight: f32,
     number: f32,
@@ -143,7 +143,7 @@ fn global_rule() -> u32 {
 }
 
 // With a run of `segment`, which has a tint and an opacity; `by_place` is the importance of its places.
-fn with_run(seen: Seen, untinted: vec4f, segment: u32, by_place: f32) -> Seen {
+fn with_run(runs: Runs, untinted: vec4f, segment: u32, by_place: f32) -> Runs {
     let factors = bitcast<vec4f>(vec4u(
         segment_entry(segment, 1u),
         segment_entry(segment, 2u),
@@ -152,38 +152,38 @@ fn with_run(seen: Seen, untinted: vec4f, segment: u32, by_place: f32) -> Seen {
     ));
     let run = untinted * factors;
     if run.a <= 0.0 {
-        return seen;
+        return runs;
     }
     switch global_rule() {
         case BRIGHTEST: {
             let luminance = dot(run.rgb, vec3f(0.2126, 0.7152, 0.0722));
-            if luminance > seen.weight {
-                return Seen(run, luminance, 1.0);
+            if luminance > runs.weight {
+                return Runs(run, luminance, 1.0);
             }
-            return seen;
+            return runs;
         }
         case AVERAGE: {
-            return Seen(seen.color + run, 0.0, seen.number + 1.0);
+            return Runs(runs.color + run, 0.0, runs.number + 1.0);
         }
         case FIRST: {
-            if seen.number > 0.0 {
-                return seen;
+            if runs.number > 0.0 {
+                return runs;
             }
-            return Seen(run, 0.0, 1.0);
+            return Runs(run, 0.0, 1.0);
         }
         case IMPORTANCE_AWARE: {
-            return with_important(seen, run, bitcast<f32>(segment_entry(segment, 5u)) + by_place);
+            return with_important(runs, run, bitcast<f32>(segment_entry(segment, 5u)) + by_place);
         }
         default: {
-            return Seen(seen.color + (1.0 - seen.color.a) * run, 0.0, 1.0);
+            return Runs(runs.color + (1.0 - runs.color.a) * run, 0.0, 1.0);
         }
     }
 }
 
 // As the composite `importance_aware` adds a sample.
-fn with_important(seen: Seen, run: vec4f, importance: f32) -> Seen {
-    let rise = importance - seen.weight;
-    let before = seen.color.a;
+fn with_important(runs: Runs, run: vec4f, importance: f32) -> Runs {
+    let rise = importance - runs.weight;
+    let before = runs.color.a;
     var kept = 1.0;
     if rise > 0.0 && 1.0 - before < 1.0 - exp(-rise) {
         kept = exp(-rise) / before;
@@ -191,10 +191,10 @@ fn with_important(seen: Seen, run: vec4f, importance: f32) -> Seen {
     let passing = 1.0 - run.a;
     let alpha = before * passing + run.a;
     let modulated = kept * before * passing + run.a;
-    let color = kept * seen.color.rgb + (1.0 - kept * before) * run.rgb;
+    let color = kept * runs.color.rgb + (1.0 - kept * before) * run.rgb;
     let accumulated = importance + log(run.a + passing * exp(min(-rise, 0.0)));
-    let weight = select(seen.weight, max(seen.weight, accumulated), rise > 0.0);
-    return Seen(vec4f(color * (alpha / modulated), alpha), weight, 1.0);
+    let weight = select(runs.weight, max(runs.weight, accumulated), rise > 0.0);
+    return Runs(vec4f(color * (alpha / modulated), alpha), weight, 1.0);
 }
 
 // The hit of the ray is that of its first run with one.
@@ -202,18 +202,18 @@ fn keep_first_hit(before_mm: f32) {
     hit_mm = select(hit_mm, before_mm, before_mm < NOWHERE_MM);
 }
 
-// Whether nothing behind can be seen.
-fn is_complete(seen: Seen) -> bool {
-    let passing = 1.0 - seen.color.a;
+// Whether nothing behind can be runs.
+fn is_complete(runs: Runs) -> bool {
+    let passing = 1.0 - runs.color.a;
     switch global_rule() {
         case BRIGHTEST, AVERAGE: {
             return false;
         }
         case FIRST: {
-            return seen.number > 0.0;
+            return runs.number > 0.0;
         }
         case IMPORTANCE_AWARE: {
-            return passing < 0.00390625 && seen.weight >= table_entry(3u).w;
+            return passing < 0.00390625 && runs.weight >= table_entry(3u).w;
         }
         default: {
             return passing < table_entry(3u).y || passing <= 0.0;
@@ -221,67 +221,9 @@ fn is_complete(seen: Seen) -> bool {
     }
 }
 
-fn pixel_of(seen: Seen) -> vec4f {
+fn pixel_of(runs: Runs) -> vec4f {
     if global_rule() == AVERAGE {
-        return seen.color / max(seen.number, 1.0);
+        return runs.color / max(runs.number, 1.0);
     }
-    return seen.color;
-}
-
-fn march(pixel: vec2u) -> vec4f {
-    let ray = ray_of(pixel);
-    let line = line_of(ray);
-    let interval_mm = clip_ray(ray, extent_mm(line));
-    let first = jitter(pixel, frame.number);
-    let count = ceil((interval_mm.y - interval_mm.x) / frame.step_mm - first);
-    entry_mm = interval_mm.x;
-    entry_in_voxel = line.start + interval_mm.x * line.along;
-    step_in_voxel = line.along * frame.step_mm;
-    let to_eye = -ray.direction;
-
-    var seen = Seen(vec4f(0.0), 0.0, 0.0);
-    segment_of_run = NO_SEGMENT;
-    var by_place = 0.0;
-    var state = composite_start();
-    for (var k = 0.0; k < count; k += 1.0) {
-        let lattice_point = in_order(k, count) + first;
-        let position = ray_position(lattice_point);
-        let segment = segment_at(position);
-        if segment != segment_of_run {
-            if technique_of_run != HIDDEN {
-                seen = with_run(seen, composite_finish(state), segment_of_run, by_place);
-            }
-            segment_of_run = segment;
-            technique_of_run = technique_of_segment(segment);
-            if is_complete(seen) {
-                technique_of_run = HIDDEN;
-                break;
-            }
-            state = composite_start();
-            by_place = 0.0;
-        }
-        if technique_of_run == HIDDEN || clip_sample(place_mm(position)) {
-            continue;
-        }
-        let value = reconstruct(position);
-        // A sample without a value counts for no composite.
-        if !is_value(value) {
-            continue;
-        }
-        let before_mm = hit_mm;
-        state = composite_add(state, Sample(value, lattice_point, position, to_eye));
-        keep_first_hit(before_mm);
-        by_place = max(by_place, importance_of_place(position));
-        if composite_done(state) {
-            seen = with_run(seen, composite_finish(state), segment_of_run, by_place);
-            technique_of_run = HIDDEN;
-            if is_complete(seen) {
-                break;
-            }
-        }
-    }
-    if technique_of_run != HIDDEN {
-        seen = with_run(seen, composite_finish(state), segment_of_run, by_place);
-    }
-    return pixel_of(seen);
+    return runs.color;
 }

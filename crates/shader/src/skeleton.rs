@@ -167,7 +167,11 @@ pub mod bindings {
 /// [`Error::Objects`]: none, or too many.
 pub fn ray_loop(what: &RayLoop) -> Result<Skeleton, Error> {
     let march = if what.techniques == Techniques::OfSegments {
-        include_str!("../skeleton/segments.wgsl")
+        concat!(
+            include_str!("../skeleton/segments.wgsl"),
+            "\n",
+            include_str!("../skeleton/segments_loop.wgsl")
+        )
     } else if what.objects == 1 {
         include_str!("../skeleton/one.wgsl")
     } else {
@@ -189,7 +193,13 @@ pub fn graph_loop(
     entry: Option<&str>,
     functions: Vec<(String, Arc<Module>)>,
 ) -> Result<Skeleton, Error> {
-    let own = if what.objects == 1 {
+    let own = if what.techniques == Techniques::OfSegments {
+        concat!(
+            include_str!("../skeleton/segments.wgsl"),
+            "\n",
+            include_str!("../skeleton/graph_segments.wgsl")
+        )
+    } else if what.objects == 1 {
         include_str!("../skeleton/graph_one.wgsl")
     } else {
         include_str!("../skeleton/graph_several.wgsl")
@@ -218,6 +228,10 @@ pub fn surrounding_words() -> &'static HashSet<&'static str> {
             include_str!("../skeleton/graph.wgsl"),
             include_str!("../skeleton/graph_one.wgsl"),
             include_str!("../skeleton/graph_several.wgsl"),
+            include_str!("../skeleton/segments.wgsl"),
+            include_str!("../skeleton/graph_segments.wgsl"),
+            include_str!("../skeleton/importance.wgsl"),
+            include_str!("../skeleton/runs_by_place.wgsl"),
             include_str!("../skeleton/forwards.wgsl"),
             include_str!("../skeleton/tile.wgsl"),
             include_str!("../skeleton/opaque_mm.wgsl"),
@@ -227,7 +241,7 @@ pub fn surrounding_words() -> &'static HashSet<&'static str> {
             include_str!("../skeleton/values_any.wgsl"),
             include_str!("../skeleton/behind_geometry.wgsl"),
             PRELUDE,
-            "volume volume_sampler stored texel_linear parameters Parameters march lighting illuminate light select vertex_out VertexOut receive at out instance is_inside CompositeState looked_at composite_of_look composite_of_sample",
+            "volume volume_sampler stored texel_linear parameters Parameters march lighting illuminate light select vertex_out VertexOut receive at out instance is_inside CompositeState looked_at composite_of_look composite_of_sample run_of_look run_of_sample",
         ];
         let mut words: HashSet<_> = texts
             .iter()
@@ -282,7 +296,10 @@ fn skeleton(what: &RayLoop, kind: &str, march: &str) -> Result<Skeleton, Error> 
             wgsl.push_str(include_str!("../skeleton/technique.wgsl"));
         }
     }
-    let look = if march.contains("composite_of_look(") {
+    let gives_looks = ["composite_of_look(", "run_of_look("]
+        .iter()
+        .any(|call| march.contains(call));
+    let look = if gives_looks {
         include_str!("../skeleton/look_of_nodes.wgsl")
     } else if one {
         include_str!("../skeleton/look_of_one.wgsl")
@@ -316,6 +333,8 @@ fn skeleton(what: &RayLoop, kind: &str, march: &str) -> Result<Skeleton, Error> 
         include_str!("../skeleton/pages.wgsl").into(),
         include_str!("../skeleton/composite_of_look.wgsl").into(),
         include_str!("../skeleton/composite_of_sample.wgsl").into(),
+        include_str!("../skeleton/run_of_look.wgsl").into(),
+        include_str!("../skeleton/run_of_sample.wgsl").into(),
         stored(volumes).into(),
         texel_linear(volumes).into(),
     ];

@@ -109,7 +109,8 @@ pub(crate) fn rule_of(
     for (label, state) in labels.iter().zip(states) {
         let _ = writeln!(text, "    {label}: {state},");
     }
-    text.push_str("}\n\n");
+    // Graphs carry it along their rays under this name.
+    text.push_str("}\n\nalias CompositeState = State;\n\n");
     for function in functions {
         let called = |label: &String| format!("{label}_{}", function.name);
         let bodies: Vec<_> = match function.arguments {

@@ -8,7 +8,7 @@ use std::io::Read;
 use std::path::Path;
 use strahl_graph::{
     CompiledGraph, Compiler, EditedGraph, GraphUse, MOST_GRAPH_BYTES, Patterns, Problem, Texture,
-    edited, pre_integrated, standard,
+    edited, pre_integrated, standard, unfolded,
 };
 use strahl_program::{Functions, Table2d};
 use strahl_scene::plan::Plan;
@@ -157,7 +157,9 @@ impl SceneGraph {
         // What edits leave unused of the standard graph is no mistake of theirs.
         let standard_nodes = match &self.asked.graph {
             Some(_) => Vec::new(),
-            None => (standard(plan)?.nodes.into_iter())
+            None => (unfolded(&standard(plan)?).map_err(|problems| self.wrong(problems))?)
+                .nodes
+                .into_iter()
                 .map(|node| format!("nodes.{}", node.name))
                 .collect(),
         };
@@ -246,9 +248,13 @@ impl SceneGraph {
                         "{edge} columns and rows; allowed: 2 to {most}"
                     )));
                 }
-                match plan.layers.get(object) {
-                    Some(_) => Ok(pre_integrated(
-                        &plan.technique_of(object).table,
+                let technique = match plan.labelled() {
+                    Some(_) => plan.techniques.get(object),
+                    None => (plan.layers.get(object)).map(|_| plan.technique_of(object)),
+                };
+                match technique {
+                    Some(technique) => Ok(pre_integrated(
+                        &technique.table,
                         plan.lattice.step_mm,
                         *edge,
                     )),

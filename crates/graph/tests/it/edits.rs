@@ -1,6 +1,6 @@
 //! Edits: what they do, and what they say when two want the same.
 
-use crate::{assert_says, parsed, pixels, showing};
+use crate::{assert_says, parsed, pixels, refused, showing};
 use strahl_graph::{
     Edit, EditList, EditedGraph, Graph, Kind, Node, Patterns, Problem, Reference, Replacement,
     edited,
@@ -215,4 +215,68 @@ fn loops_get_more_variables_and_values_are_set() {
     ];
     let done = edited(graph, &[list("mine", commands)], &Patterns::new()).unwrap();
     assert_eq!(value(&done), 32.0);
+}
+
+/// A graph as a node: twice what it gets, and a stage.
+fn with_group() -> Graph {
+    let group = r#""g": {
+        "graph": { "strahl_graph": 1, "inputs": { "a": {} }, "nodes": {
+            "double": { "pattern": "multiply", "inputs": { "a": "inputs.a", "b": 2 } },
+            "after_sample": { "anchor": "double" }
+        }, "roots": { "out": "after_sample" } },
+        "inputs": { "a": 0.25 }
+    }"#;
+    parsed(&showing(group, "g"))
+}
+
+fn applied(commands: Vec<Edit>) -> Result<EditedGraph, Vec<Problem>> {
+    edited(with_group(), &[list("mine", commands)], &Patterns::new())
+}
+
+#[test]
+fn edits_reach_nodes_inside_a_group() {
+    let whole = applied(Vec::new()).unwrap();
+    assert_eq!(value(&whole), 0.5);
+    assert_eq!(whole.graph, with_group());
+    let connected = applied(vec![Edit::Connect(vec![("g_double.b".into(), 3.0.into())])]);
+    assert_eq!(value(&connected.unwrap()), 0.75);
+    let inserted = applied(vec![twice("t"), insert("t", "g_after_sample")]);
+    assert_eq!(value(&inserted.unwrap()), 1.0);
+    let stage = Edit::ReplaceStage {
+        stage: "g_sample".into(),
+        by: Replacement::One(Reference::new("g_inputs_a")),
+    };
+    assert_eq!(value(&applied(vec![stage]).unwrap()), 0.25);
+}
+
+#[test]
+fn a_group_is_replaced_as_one_node() {
+    let node = Node::new("t", Kind::Pattern("multiply".into()));
+    let one = Edit::Add(vec![node.input("a", 0.5).input("b", 0.25)]);
+    let by = Replacement::One(Reference::new("t"));
+    let node = "g".into();
+    let done = applied(vec![one, Edit::ReplaceNode { node, by }]).unwrap();
+    assert_eq!(value(&done), 0.125);
+}
+
+#[test]
+fn a_node_that_no_group_has_is_missing() {
+    let wrong = applied(vec![Edit::Connect(vec![("g_treble.b".into(), 3.0.into())])]);
+    let why = wrong.unwrap_err()[0].to_string();
+    assert_says(&why, &["there is no node `g_treble`"]);
+}
+
+#[test]
+fn segments_need_a_scene_that_has_them() {
+    let text = showing(r#""r": { "pattern": "no_runs" }"#, "r.number");
+    let node = r#""n": { "pattern": "add", "technique": 1, "inputs": { "a": 1, "b": 1 } }"#;
+    for (text, says) in [
+        (text, "the pattern `no_runs` is for the segments of a scene"),
+        (
+            showing(node, "n"),
+            "the scene has no segments with techniques",
+        ),
+    ] {
+        assert_says(&refused(&text), &[says]);
+    }
 }
