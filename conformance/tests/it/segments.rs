@@ -483,7 +483,7 @@ fn all_renderers_draw_segments_by_their_techniques() {
 #[test]
 fn segments_are_their_standard_graph() {
     let mut by_looks = [0; 2];
-    for seed in seeds(24) {
+    for (drawn, seed) in seeds(24).into_iter().enumerate() {
         let mut random = Random::new(seed ^ 0x96A9);
         let (volume, labels, plan) = any_segments(&mut random);
         let data = data(&volume, &labels);
@@ -491,7 +491,10 @@ fn segments_are_their_standard_graph() {
         let what = format!("seed {seed}: {plan:#?}");
         assert!(settings.image.pixels() == by_graph.image.pixels(), "{what}");
         assert!(settings.depth_mm == by_graph.depth_mm, "{what}");
-        if let Some(gpu) = on_gpu(data, &plan, &standard(&plan).unwrap()) {
+        // Its compiler takes seconds for each.
+        if drawn % 8 == 0
+            && let Some(gpu) = on_gpu(data, &plan, &standard(&plan).unwrap())
+        {
             let apart = agreement(&settings.image, &gpu);
             assert!(apart.psnr_db >= 45.0, "on the GPU: {apart:?} {what}");
         }
