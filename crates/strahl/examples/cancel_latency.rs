@@ -2,7 +2,8 @@
 //! `cargo run --release -p strahl --example cancel_latency -- edge=256 tries=200`.
 //!
 //! A volume of `edge`³ voxels is written to a file. Then a session reads and draws it anew for each try, and a thread cancels
-//! it after a random share of the time that all of it takes. Prints one line of JSON with milliseconds.
+//! it after a random share of the time that all of it takes. Prints one line of JSON with milliseconds,
+//! and of the three slowest tries after which share of the time they were cancelled.
 
 use std::time::{Duration, Instant};
 use strahl::scene::VolumeSource;
@@ -54,16 +55,19 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         match drawn {
             Err(Error::Cancelled) => {
                 let cancelled = cancelling.join().map_err(|_| "the thread has panicked")?;
-                late_ms.push(1e3 * ended.saturating_duration_since(cancelled).as_secs_f64());
+                let late = ended.saturating_duration_since(cancelled);
+                late_ms.push((1e3 * late.as_secs_f64(), share));
             }
             Ok(_) => finished += 1,
             Err(error) => return Err(error.into()),
         }
     }
-    late_ms.sort_by(f64::total_cmp);
-    let at = |share: f64| late_ms[((tries - 1) as f64 * share).round() as usize];
+    late_ms.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let at = |share: f64| late_ms[((tries - 1) as f64 * share).round() as usize].0;
+    // When those were cancelled that took longest.
+    let latest: Vec<_> = late_ms.iter().rev().take(3).collect();
     println!(
-        r#"{{"edge":{edge},"tries":{tries},"finished":{finished},"whole_ms":{:.0},"p50_ms":{:.2},"p99_ms":{:.2},"most_ms":{:.2}}}"#,
+        r#"{{"edge":{edge},"tries":{tries},"finished":{finished},"whole_ms":{:.0},"p50_ms":{:.2},"p99_ms":{:.2},"most_ms":{:.2},"latest_ms_and_share":{latest:?}}}"#,
         1e3 * whole.as_secs_f64(),
         at(0.5),
         at(0.99),
