@@ -359,6 +359,7 @@ impl SettledDisplay {
                 },
             },
             fxaa: self.fxaa,
+            background: None,
         }
     }
 }
