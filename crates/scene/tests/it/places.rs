@@ -98,15 +98,11 @@ fn keeps(plan: &Plan, layer: usize, point: DVec3) -> bool {
         .iter()
         .filter(|plane| plane.layers >> layer & 1 == 1);
     let shapes = plan.sample_clips.iter().filter(|clip| clip.cuts(layer));
-    planes
-        .map(|plane| plane.normal.dot(point) + plane.offset_mm >= 0.0)
-        .all(|kept| kept)
-        && shapes
-            .map(|clip| {
-                let unit = clip.unit_from_world.transform_point3(point);
-                (unit.abs().max_element() <= 0.5) == clip.keep_inside
-            })
-            .all(|kept| kept)
+    planes.all(|plane| plane.normal.dot(point) + plane.offset_mm >= 0.0)
+        && shapes.all(|clip| {
+            let unit = clip.unit_from_world.transform_point3(point);
+            (unit.abs().max_element() <= 0.5) == clip.keep_inside
+        })
 }
 
 /// A clip of an object moves with it: what it keeps of voxels does not depend on the object's transform.
