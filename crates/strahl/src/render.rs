@@ -561,6 +561,13 @@ fn has_depth(plan: &plan::Plan) -> bool {
 
 /// A note if the picture shows nothing but its background.
 fn of_emptiness(rendered: &Rendered, plan: &plan::Plan, headers: &Headers) -> Option<Note> {
+    // There is a note already if every segment is hidden.
+    if let Some(labelled) = plan.labelled() {
+        let mut looks = labelled.looks.values().chain([&labelled.others]);
+        if looks.all(|look| look.technique.is_none()) {
+            return None;
+        }
+    }
     let pixels = rendered.image.pixels();
     let first = *pixels.first()?;
     // All are the color of the background, bit by bit, as nothing was added to it.
