@@ -93,11 +93,11 @@ fn the_default_view_is_that_of_the_scenes_own_volume() {
 
 /// Whether planes and shapes of layer number `layer` keep a point.
 fn keeps(plan: &Plan, layer: usize, point: DVec3) -> bool {
-    let planes = plan
+    let mut planes = plan
         .ray_clips
         .iter()
         .filter(|plane| plane.layers >> layer & 1 == 1);
-    let shapes = plan.sample_clips.iter().filter(|clip| clip.cuts(layer));
+    let mut shapes = plan.sample_clips.iter().filter(|clip| clip.cuts(layer));
     planes.all(|plane| plane.normal.dot(point) + plane.offset_mm >= 0.0)
         && shapes.all(|clip| {
             let unit = clip.unit_from_world.transform_point3(point);
