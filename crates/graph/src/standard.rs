@@ -33,14 +33,6 @@ pub fn standard(plan: &Plan) -> Result<Graph, Error> {
             "a graph cannot draw a debug view, which `debug` or quality \"null\" asks for; remove that key, or draw without a graph",
         ));
     }
-    if let Composite::Mida { blend, .. } = plan.technique().composite
-        && blend > 0.0
-    {
-        return Err(refused_at(
-            "blend",
-            "a graph draws `mida` with blend -1 to 0 only; set such a blend, or draw without a graph",
-        ));
-    }
     if plan.layers.len() > 1 && !plan.technique().composite.mixes_layers() {
         return Err(refused(&format!(
             "several objects are mixed along the ray by {} only",
@@ -67,7 +59,7 @@ pub fn standard(plan: &Plan) -> Result<Graph, Error> {
     match plan.technique().composite {
         Composite::EmissionAbsorption { .. } => graph.emission_absorption(false),
         Composite::BackToFront => graph.emission_absorption(true),
-        Composite::Mida { .. } => graph.mida(),
+        Composite::Mida { blend, .. } if blend <= 0.0 => graph.mida(),
         Composite::Mip => graph.extreme("larger"),
         Composite::Minip => graph.extreme("smaller"),
         Composite::Average => graph.average(),
