@@ -125,6 +125,11 @@ const CHOSEN: &[(&str, &str, &str)] = &[
         r#""preset": "ct-soft-tissue", "functions": { "classify": { "module": "pre_classified" } }"#,
     ),
     (
+        "classify",
+        "value-gradient",
+        r##""transfer_function": { "regions": [{ "corners": [[150, 0], [3000, 0], [3000, 30], [150, 30]], "opacity": 0.03, "color": "#c64" }, { "corners": [[100, 60], [1500, 60], [1500, 900], [100, 900]], "opacity": 0.5, "color": "#fec" }] }"##,
+    ),
+    (
         "gradient",
         "forward",
         r#""gradient": { "method": "forward" }"#,

@@ -225,6 +225,7 @@ fn runs_are_as_important_as_their_most_important_place() {
             is_moved: false,
             looks: [(2, look(0.5))].into(),
             others: look(0.0),
+            groups: Vec::new(),
         }));
         plan.global_rule = GlobalRule::ImportanceAware;
         let data = Datasets {

@@ -487,6 +487,21 @@ fn keys_that_no_segment_is_drawn_by_are_named() {
             &[],
         ),
         (
+            r#"{ "techniques": { "a": { "composite": "mip" }, "b": { "segments": [{ "of": 2, "importance": 1 }], "method": "mip" } },
+                 "segments": [{ "of": "*", "technique": "b" }] }"#,
+            &[
+                "techniques.a",
+                "techniques.b.method",
+                "techniques.b.segments[0].importance",
+            ],
+        ),
+        (
+            r#"{ "techniques": { "a": { "composite": "importance-aware", "segments": [{ "of": 2, "importance": 1, "technique": "c" }] },
+                                 "c": { "shading": { "shininess": 9 } } },
+                 "segments": [{ "of": "*", "technique": "a" }] }"#,
+            &[],
+        ),
+        (
             r#"{ "importance": { "path": "i" }, "segments": [{ "of": 1 }] }"#,
             &["importance"],
         ),

@@ -24,5 +24,6 @@ mod simple;
 mod techniques;
 mod transmittance;
 mod twins;
+mod value_gradient;
 mod values;
 mod variants;

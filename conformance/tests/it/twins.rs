@@ -137,6 +137,7 @@ fn of_segments(case: &mut Case, random: &mut Random) {
         is_moved: false,
         looks: [].into(),
         others: SegmentLook::of(0),
+        groups: Vec::new(),
     }));
     case.labels.push(labels);
 }
@@ -165,6 +166,14 @@ fn choose(plan: &mut Plan, function: &Function, random: &mut Random) {
         }
         ("classify", _) => {
             plan.technique_mut().classify = Classify::of(name, value).unwrap();
+            if let Classify::ValueGradient { columns, rows, .. } =
+                &mut plan.technique_mut().classify
+            {
+                (*columns, *rows) = (6, 5);
+                let any = |_| [0; 4].map(|_: i32| random.unit() as f32);
+                let entries = (0..30).map(any).collect();
+                plan.technique_mut().table = TransferTable::of_rows([0.0, 255.0], 1.0, 6, entries);
+            }
             if name == "pre_classified" {
                 plan.technique_mut().table = soft(random, false);
             }

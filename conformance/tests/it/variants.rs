@@ -7,6 +7,7 @@ use crate::simple::{
     blinn_phong, centred, cut_box, grey, grids, of_samples, one_sample_at, parallel, plan, plane,
     value_shown, volume, white,
 };
+use crate::value_gradient::table_over;
 use glam::{DAffine3, DMat3, DVec3};
 use std::collections::HashMap;
 use strahl_cpu::{Options, Rendered, Renderer};
@@ -528,7 +529,10 @@ pub fn any_variant(random: &mut Random, volume: &Volume) -> Plan {
         plan.field_mut().fetch = Fetch::of(name, |p| values[p]).unwrap();
     }
     // An opacity that follows the gradient has no gradient: `resolve` refuses it.
-    if !matches!(plan.technique().classify, Classify::GradientTable { .. }) {
+    if !matches!(
+        plan.technique().classify,
+        Classify::GradientTable { .. } | Classify::ValueGradient { .. }
+    ) {
         plan.technique_mut().gradient_input =
             random.pick(&[GradientInput::Value, GradientInput::Opacity]);
     }
@@ -557,7 +561,16 @@ pub fn any_variant(random: &mut Random, volume: &Volume) -> Plan {
             )
         });
     }
+    if by_both(&plan) {
+        plan.technique_mut().table = table_over([low, high]);
+        plan.technique_mut().classify = crate::value_gradient::classify(0.5 * steep);
+    }
     plan
+}
+
+/// Whether values are classified together with their gradients, by a table of its own kind.
+fn by_both(plan: &Plan) -> bool {
+    matches!(plan.technique().classify, Classify::ValueGradient { .. })
 }
 
 #[test]
@@ -582,8 +595,10 @@ fn skipping_changes_no_byte_of_any_variant() {
         }
         let mut plan = any_variant(&mut random, &volume);
         if is_blob {
-            plan.technique_mut().table = ramp();
             plan.field_mut().fetch = Fetch::Stored;
+            if !by_both(&plan) {
+                plan.technique_mut().table = ramp();
+            }
         }
         let renderer = Renderer::new(&volume);
         let bits = |threads, tile, skip| {

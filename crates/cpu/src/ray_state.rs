@@ -8,7 +8,7 @@
 /// | composite | fields |
 /// |---|---|
 /// | emission–absorption, `back_to_front` | `color`, `alpha` |
-/// | `mida` | `color`, `alpha`, `value`; with a `blend` above 0 also `place`, and in `number` the value there |
+/// | `mida` | `color`, `alpha`, `value` |
 /// | `mip`, `minip` | `value`, `place`, `number` |
 /// | `average` | `value`, `lost`, `number`, `place` |
 /// | `gmip` | `value`, `number` |
@@ -17,7 +17,8 @@
 /// | any other | what its file in `library/composite` says |
 ///
 /// Shading that keeps the last normal needs `last_normal`. Segments of a label volume need `segment`, `technique`,
-/// `importance` and what begins with `seen` and `hit`; the fields of the composite are then those of the run that goes on. Of the rules of sampling
+/// `importance` and what begins with `seen` and `hit`, and for groups what rules of sampling look back at: `known` is the group,
+/// `values` the color of its runs and `last_alpha` their opacity, `gradient` what their rule remembers and the importance of their places; the fields of the composite are then those of the run that goes on. Of the rules of sampling
 ///
 /// - `regular` and `adaptive` need nothing more. (A run of `adaptive` that begins in an interval is done in it: the ray
 ///   then stands behind the interval.)

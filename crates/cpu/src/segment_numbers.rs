@@ -4,7 +4,7 @@ use crate::lanes::{Affine, F32s, LANES, Mask, Vec3s, each};
 use crate::levels::{Level, vectorized};
 use crate::skip::Skip;
 use std::sync::Arc;
-use strahl_scene::plan::{GlobalRule, GradientMethod, NumberedSegments, Plan};
+use strahl_scene::plan::{GlobalRule, GradientMethod, NumberedSegments, Plan, SegmentGroup};
 use strahl_volume::{BorderCells, LabelIds, LabelNumbers};
 
 /// In voxels: what rounding may move a place beyond the extent.
@@ -44,6 +44,8 @@ pub struct SegmentNumbers<'n> {
     pub skip: Option<Arc<Skip>>,
     /// How runs become a pixel.
     pub rule: GlobalRule,
+    /// Those of the segments.
+    pub groups: Vec<SegmentGroup>,
     /// What full importance of a place is worth to its run.
     pub gain_of_places: f32,
     /// The largest importance of a run.
@@ -59,9 +61,9 @@ impl<'n> SegmentNumbers<'n> {
     ) -> Option<SegmentNumbers<'n>> {
         let labelled = plan.labelled()?;
         let segments = labelled.numbered(&labels.ids);
-        let importances = segments.importances.iter();
-        let by_importance = plan.global_rule == GlobalRule::ImportanceAware;
-        let places = plan.importance.filter(|_| by_importance);
+        let of_groups = labelled.groups.iter().map(|group| group.importance);
+        let importances = segments.importances.iter().copied().chain(of_groups);
+        let places = plan.importance.filter(|_| plan.weighs_runs());
         let gain_of_places = places.map_or(0.0, |places| places.gain_of_runs);
         Some(SegmentNumbers {
             numbers: &labels.numbers,
@@ -70,10 +72,11 @@ impl<'n> SegmentNumbers<'n> {
             is_grid_of_field: labelled.grid == plan.field().grid,
             label_from_voxel: Affine::new(labelled.label_from_voxel(plan.field())),
             gain_of_places,
-            most_important: importances.fold(0.0f32, |most, own| most.max(*own)) + gain_of_places,
+            most_important: importances.fold(0.0, f32::max) + gain_of_places,
             segments,
             skip,
             rule: plan.global_rule,
+            groups: labelled.groups.clone(),
         })
     }
 
@@ -304,6 +307,15 @@ impl<'n> SegmentNumbers<'n> {
     pub fn importance(&self, segment: f32) -> f32 {
         match (segment as usize).checked_sub(1) {
             Some(number) => self.segments.importances[number],
+            None => 0.0,
+        }
+    }
+
+    /// The group of the segment with a number, both counted from 1; 0 without.
+    #[inline(always)]
+    pub fn group(&self, segment: f32) -> f32 {
+        match (segment as usize).checked_sub(1) {
+            Some(number) => self.segments.groups[number] as f32,
             None => 0.0,
         }
     }

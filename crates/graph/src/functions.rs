@@ -167,7 +167,7 @@ const SAMPLE: [(&str, &str, &str); 5] = [
     ("to_eye", "vec3f", "direction.world"),
 ];
 
-static BUILT_IN: [BuiltIn; 25] = [
+static BUILT_IN: [BuiltIn; 26] = [
     BuiltIn {
         name: RAY,
         call: "ray_of_pixel",
@@ -332,6 +332,13 @@ static BUILT_IN: [BuiltIn; 25] = [
         outputs: &[("out", "Runs", "")],
     },
     BuiltIn {
+        name: "entered",
+        call: "entered",
+        comment: "The runs where the ray is in a segment: if it has left a group, this makes one sample.",
+        inputs: &[("runs", "Runs", ""), ("segment", "u32", "")],
+        outputs: &[("out", "Runs", "")],
+    },
+    BuiltIn {
         name: "technique_of_new_run",
         call: "technique_of_new_run",
         comment: "The technique of a run that begins, counted from 1; 0 if its segment is hidden, or covered by the runs before it.",
@@ -414,8 +421,9 @@ static BUILT_IN: [BuiltIn; 25] = [
 ];
 
 /// Patterns that only a scene with segments has.
-pub(crate) const OF_SEGMENTS: [&str; 11] = [
+pub(crate) const OF_SEGMENTS: [&str; 12] = [
     "enter_segment",
+    "entered",
     "no_runs",
     "technique_of_new_run",
     "is_technique",
@@ -610,28 +618,12 @@ pub fn of_uniform(ty: &str) -> Result<Function, String> {
     of_module(Arc::new(module.map_err(|error| error.to_string())?))
 }
 
-/// The screen-space derivative that a function calls, if it calls one.
-fn derivative(source: &str) -> Option<&str> {
-    let code = source.lines().filter_map(|line| line.split("//").next());
-    let mut words = code.flat_map(|code| code.split(|c: char| !(c.is_alphanumeric() || c == '_')));
-    words.find(|word| {
-        let function = word.trim_end_matches("Fine").trim_end_matches("Coarse");
-        matches!(function, "dpdx" | "dpdy" | "fwidth")
-    })
-}
-
 /// Reads what the comment of the function says of its ports: lines `name: meaning, default X, words`.
 fn of_module(module: Arc<Module>) -> Result<Function, String> {
     let ports = module.ports().clone();
     if module.remembers() {
         return Err(format!(
             "{} has a `var<private>`; a graph carries what it remembers openly, in a loop's variables",
-            module.file()
-        ));
-    }
-    if let Some(derivative) = derivative(module.source()) {
-        return Err(format!(
-            "{} calls `{derivative}`, which compares neighboring pixels of the screen; a ray cannot read other rays",
             module.file()
         ));
     }

@@ -39,6 +39,17 @@ pub fn standard(plan: &Plan) -> Result<Graph, Error> {
             mixing_rules()
         )));
     }
+    let is_covered_by_ray = |technique: &Technique| {
+        matches!(
+            technique.composite,
+            Composite::ContextPreserving { covered_by: 1, .. }
+        )
+    };
+    if plan.labelled().is_some() && plan.drawn_techniques().any(is_covered_by_ray) {
+        return Err(refused(
+            "a graph of segments draws `context-preserving` with `covered_by` 0 only",
+        ));
+    }
     let mut graph = Builder {
         plan,
         within: None,
@@ -59,7 +70,7 @@ pub fn standard(plan: &Plan) -> Result<Graph, Error> {
     match plan.technique().composite {
         Composite::EmissionAbsorption { .. } => graph.emission_absorption(false),
         Composite::BackToFront => graph.emission_absorption(true),
-        Composite::Mida { blend, .. } if blend <= 0.0 => graph.mida(),
+        Composite::Mida { .. } => graph.mida(),
         Composite::Mip => graph.extreme("larger"),
         Composite::Minip => graph.extreme("smaller"),
         Composite::Average => graph.average(),

@@ -34,7 +34,7 @@ pub use slicing::{
 pub use tables::{Table2d, noise_tile, stacked, tables};
 
 use std::sync::Arc;
-use strahl_scene::plan::{GlobalRule, Plan};
+use strahl_scene::plan::Plan;
 use strahl_shader::{Error, Linker, Program, RayLoop, Techniques, Texels, ray_loop};
 
 /// The program that draws `plan` where the texture unit interpolates the volumes; no device is needed.
@@ -60,8 +60,7 @@ pub fn techniques_of(plan: &Plan) -> Techniques {
 
 /// Whether the runs of segments of `plan` have the importance of their places, too.
 pub fn has_important_places(plan: &Plan) -> bool {
-    let by_importance = plan.global_rule == GlobalRule::ImportanceAware;
-    by_importance && plan.labelled().is_some() && plan.importance.is_some()
+    plan.weighs_runs() && plan.importance.is_some()
 }
 
 /// The ray loop of `plan` over volumes that are all read in the same way.

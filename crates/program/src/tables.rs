@@ -55,6 +55,7 @@ pub fn tables(
             object.table_first = first;
         }
         entries.extend_from_slice(table.entries());
+        entries.extend_from_slice(table.rows());
         entries.resize(entries.len().next_multiple_of(row), [0.0; 4]);
     }
     if !plan.has_one_technique() {

@@ -1,8 +1,34 @@
 //! What every renderer may rely on in a Plan, also in one that was changed by hand.
 
 use crate::plan::{
-    Composite, MOST_EDGE_PIXELS, MOST_FRAMES, MOST_LAYERS, Plan, PlanImportance, Sampling, Segments,
+    Classify, Composite, Labelled, MOST_EDGE_PIXELS, MOST_FRAMES, MOST_GROUPS, MOST_LAYERS, Plan,
+    PlanImportance, Sampling, Segments,
 };
+
+/// That groups of segments are there, and have numbers.
+fn check_groups(labelled: &Labelled) -> Result<(), String> {
+    let number = labelled.groups.len();
+    if number > MOST_GROUPS {
+        return Err(format!(
+            "there are {number} groups of segments; at most {MOST_GROUPS}"
+        ));
+    }
+    for group in &labelled.groups {
+        let numbers = [group.opacity, group.importance];
+        if !numbers.iter().all(|n| n.is_finite() && *n >= 0.0) {
+            return Err(format!(
+                "a group of segments is {group:?}: its numbers have to be finite and not negative"
+            ));
+        }
+    }
+    let mut looks = labelled.looks.values().chain([&labelled.others]);
+    match looks.find_map(|look| look.group.filter(|group| *group >= number)) {
+        Some(group) => Err(format!(
+            "a segment is in group {group}, of which there are {number}"
+        )),
+        None => Ok(()),
+    }
+}
 
 impl Plan {
     /// What is wrong with this Plan whatever its data is: numbers out of their range, places that are not there, parts that do
@@ -32,6 +58,20 @@ impl Plan {
             ));
         }
         self.check_layers()?;
+        for technique in &self.techniques {
+            if let Classify::ValueGradient { columns, rows, .. } = technique.classify {
+                let (of_table, entries) = (
+                    technique.table.rows().len(),
+                    technique.table.entries().len(),
+                );
+                let fits = columns as usize == entries && of_table == rows as usize * entries;
+                if rows > 0 && !(fits && rows > 1) {
+                    return Err(format!(
+                        "a technique classifies by {rows} rows of {columns}; its table has {of_table} entries in rows of {entries}"
+                    ));
+                }
+            }
+        }
         if let Some(PlanImportance {
             low,
             high,
@@ -79,6 +119,7 @@ impl Plan {
                         }
                     }
                     technique(0)?;
+                    check_groups(labelled)?;
                     self.check_segments()?;
                 }
             }

@@ -7,6 +7,7 @@ use crate::plan::{
     PlanModule, Reconstruct, Shade,
 };
 use crate::problem::{Checker, Number};
+use crate::transfer::TransferTable;
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -226,7 +227,9 @@ fn settle(
     let settled = match function.slot {
         "fetch" => Fetch::of(name, value).map(|fetch| field.fetch = fetch),
         "reconstruct" => Reconstruct::of(name, value).map(|way| field.reconstruct = way),
-        "classify" => Classify::of(name, value).map(|classify| technique.classify = classify),
+        "classify" => Classify::of(name, value).map(|classify| {
+            technique.classify = of_table(classify, &technique.table);
+        }),
         "gradient_input" => {
             GradientInput::of(name, value).map(|input| technique.gradient_input = input)
         }
@@ -265,6 +268,19 @@ fn settle(
         _ => None,
     };
     settled.ok_or_else(|| "a slot that the scene's own keys set: clips, lights".to_owned())
+}
+
+/// A classification whose size is that of its table.
+fn of_table(classify: Classify, table: &TransferTable) -> Classify {
+    let number = table.entries().len();
+    match classify {
+        Classify::ValueGradient { full_per_mm, .. } => Classify::ValueGradient {
+            full_per_mm,
+            columns: number as u32,
+            rows: (table.rows().len() / number) as u32,
+        },
+        other => other,
+    }
 }
 
 #[cfg(test)]

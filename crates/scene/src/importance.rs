@@ -2,7 +2,7 @@
 
 use crate::Headers;
 use crate::clip::unit_from_world;
-use crate::plan::{Composite, GlobalRule, MOST_MASKS, Plan, PlanImportance};
+use crate::plan::{Composite, MOST_MASKS, Plan, PlanImportance};
 use crate::problem::{Checker, Within};
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
@@ -97,14 +97,12 @@ impl Plan {
                 }
             )
         };
-        let of_runs = self.labelled().is_some() && self.global_rule == GlobalRule::ImportanceAware;
-        of_runs || self.drawn_techniques().any(|t| is_read(t.composite))
+        self.weighs_runs() || self.drawn_techniques().any(|t| is_read(t.composite))
     }
 
     /// Importance by place, where a technique asks for it and there is none.
     pub(crate) fn check_importance(&self, checker: &mut Checker) {
-        let of_runs = self.labelled().is_some() && self.global_rule == GlobalRule::ImportanceAware;
-        if self.importance.is_none() && self.reads_importance() && !of_runs {
+        if self.importance.is_none() && self.reads_importance() && !self.weighs_runs() {
             checker.add(
                 "functions.composite.params.measure",
                 BY_VOLUME,

@@ -68,9 +68,8 @@ pub struct Plan {
 /// Layers in one picture: a bit each in [`LayerSet`], an object each in a ray loop of shader programs.
 pub const MOST_LAYERS: usize = strahl_shader::MOST_OBJECTS;
 
-/// Masks in one picture. Shader programs, by which the GPU and graphs draw, hold fewer:
-/// [`strahl_shader::MOST_MASKS`].
-pub const MOST_MASKS: usize = 256;
+/// Masks in one picture.
+pub use strahl_shader::MOST_MASKS;
 
 /// Pixels along an edge of a picture.
 pub const MOST_EDGE_PIXELS: u32 = 65_535;
@@ -161,6 +160,7 @@ pub enum Segments {
 ///     is_moved: false,
 ///     looks: [(0, SegmentLook::HIDDEN), (1, SegmentLook::of(1))].into(),
 ///     others: SegmentLook::of(0),
+///     groups: Vec::new(),
 /// }));
 /// let data = Datasets { labels: vec![labels], ..Datasets::from(&volume) };
 /// plan.check(&data)?;
@@ -178,7 +178,24 @@ pub struct Labelled {
     pub looks: BTreeMap<u32, SegmentLook>,
     /// The same for all other ids.
     pub others: SegmentLook,
+    /// At most [`MOST_GROUPS`].
+    pub groups: Vec<SegmentGroup>,
 }
+
+/// Segments whose runs add up among themselves: those in a row make one sample, which counts as a run beside those of
+/// segments without a group.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SegmentGroup {
+    /// How its runs become its sample; it ends no ray.
+    pub rule: GlobalRule,
+    /// What the opacity of the sample is multiplied by, 0 to 1.
+    pub opacity: f32,
+    /// Of the sample, for [`GlobalRule::ImportanceAware`]; 0 or more.
+    pub importance: f32,
+}
+
+/// Groups of segments.
+pub const MOST_GROUPS: usize = 8;
 
 /// How a segment is drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -191,6 +208,8 @@ pub struct SegmentLook {
     pub opacity: f32,
     /// Of its runs, for [`GlobalRule::ImportanceAware`]; 0 or more.
     pub importance: f32,
+    /// Which of the groups it belongs to, if to one.
+    pub group: Option<usize>,
 }
 
 /// How runs of segments become a pixel.
@@ -246,6 +265,7 @@ impl SegmentLook {
         tint: [1.0; 3],
         opacity: 1.0,
         importance: 0.0,
+        group: None,
     };
 
     /// That of a segment as technique number `technique` draws it.
@@ -272,6 +292,8 @@ pub struct NumberedSegments {
     pub factors: Vec<[f32; 4]>,
     /// By the number of a segment the importance of its runs.
     pub importances: Vec<f32>,
+    /// By the number of a segment its group, counted from 1; 0 without.
+    pub groups: Vec<u32>,
     /// The number of the segment beyond the extent of the label volume.
     pub outside: u32,
 }
@@ -298,6 +320,10 @@ impl Labelled {
             techniques: looks.iter().map(technique).collect(),
             factors: looks.iter().map(SegmentLook::factors).collect(),
             importances: looks.iter().map(|look| look.importance).collect(),
+            groups: looks
+                .iter()
+                .map(|look| look.group.map_or(0, |group| group as u32 + 1))
+                .collect(),
             outside: outside as u32,
         }
     }
@@ -365,6 +391,14 @@ impl Plan {
             Segments::Whole { .. } => None,
             Segments::Labelled(labelled) => Some(labelled),
         }
+    }
+
+    /// Whether the importance of runs makes a difference.
+    pub fn weighs_runs(&self) -> bool {
+        let is_weighing = |rule: GlobalRule| rule == GlobalRule::ImportanceAware;
+        self.labelled().is_some_and(|labelled| {
+            is_weighing(self.global_rule) || labelled.groups.iter().any(|g| is_weighing(g.rule))
+        })
     }
 
     /// Among what the samples of a ray choose: the techniques of the layers, in their order; of one with
@@ -729,10 +763,6 @@ pub struct Display {
     pub curve: DisplayCurve,
     /// Whether jagged edges of the encoded picture are smoothed.
     pub fxaa: bool,
-    /// An opaque background, in linear light, that is put behind the picture after the tone map, so that it keeps its
-    /// color. The background of the Plan is transparent then. `None` if exposure, tone map and curve do not change
-    /// light from 0 to 1: the picture contains its background.
-    pub background: Option<[f32; 3]>,
 }
 
 impl Display {
@@ -742,21 +772,7 @@ impl Display {
         tone_map: ToneMap::Clamp,
         curve: DisplayCurve::Srgb,
         fxaa: false,
-        background: None,
     };
-
-    /// Whether light from 0 to 1 keeps its color.
-    fn is_plain(&self) -> bool {
-        self.exposure == 1.0 && self.tone_map == ToneMap::Clamp && self.curve == DisplayCurve::Srgb
-    }
-
-    /// Takes over an opaque background that this would change; `linear` is its color in linear light.
-    pub(crate) fn take_background(&mut self, background: &mut [f32; 4], linear: [f32; 3]) {
-        if background[3] == 1.0 && !self.is_plain() {
-            self.background = Some(linear);
-            *background = [0.0; 4];
-        }
-    }
 }
 
 /// How light above 1 is brought down.

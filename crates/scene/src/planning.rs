@@ -12,7 +12,7 @@ use crate::transfer::TransferTable;
 use crate::window::value_range;
 use crate::{
     Background, Camera, Compositing, Headers, Jitter, PresetInfo, Scene, function, object, presets,
-    sampling,
+    sampling, transfer_function,
 };
 use strahl_shader::registry::mixing_rules;
 use strahl_volume::VolumeHeader;
@@ -65,10 +65,7 @@ fn plan(settled: &SettledScene, headers: &Headers, checker: &mut Checker) -> Opt
     let meshes = plan_meshes(settled, headers, compositing, checker);
     let lattice = plan_lattice(settled, checker);
     let sampling = settled.sampling.plan(checker);
-    let mut display = settled.display.plan(checker);
-    let mut background = settled.background.in_space(compositing);
-    let [r, g, b, _] = settled.background.in_space(PlanCompositing::Linear);
-    display.take_background(&mut background, [r, g, b]);
+    let display = settled.display.plan(checker);
     let mut plan = Plan {
         width: size[0],
         height: size[1],
@@ -87,7 +84,7 @@ fn plan(settled: &SettledScene, headers: &Headers, checker: &mut Checker) -> Opt
         ray_clips: clips.planes,
         sample_clips: clips.shapes,
         modules: Vec::new(),
-        background,
+        background: settled.background.in_space(compositing),
         compositing,
         with_depth: false,
         display,
@@ -100,8 +97,9 @@ fn plan(settled: &SettledScene, headers: &Headers, checker: &mut Checker) -> Opt
     };
     let gradient_input = settled.gradient.of.into();
     for (volume, table) in settled.volumes.iter().zip(tables?) {
+        let of_regions = transfer_function::classify_of(&volume.function.regions);
         let technique = Technique {
-            classify,
+            classify: of_regions.unwrap_or(classify),
             table,
             gradient_input,
             shade,
@@ -161,7 +159,12 @@ fn check_together(plan: &Plan, checker: &mut Checker) {
         );
     }
     let takes_opacity = |t: &Technique| t.gradient_input == PlanGradientInput::Opacity;
-    let needs_gradient = |t: &Technique| matches!(t.classify, Classify::GradientTable { .. });
+    let needs_gradient = |t: &Technique| {
+        matches!(
+            t.classify,
+            Classify::GradientTable { .. } | Classify::ValueGradient { .. }
+        )
+    };
     // Of two techniques, too: in programs one's classification would call the other's.
     if plan.drawn_techniques().any(takes_opacity) && plan.drawn_techniques().any(needs_gradient) {
         checker.add(
@@ -248,7 +251,7 @@ fn plan_clips(settled: &SettledScene, headers: &Headers, checker: &mut Checker) 
     let mut clips = PlanClips::default();
     let volumes = settled.volumes.iter();
     let places = ClipPlaces {
-        frames: &settled.clip_frames,
+        grid: &settled.volumes[0].place.grid,
         masks: &headers.masks,
         names: volumes.map(|volume| volume.place.name.as_deref()).collect(),
     };

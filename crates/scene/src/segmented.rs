@@ -2,7 +2,8 @@
 
 use crate::places::check_labels;
 use crate::plan::{
-    Composite, GlobalRule, GradientInput, Plan, PlanLight, Sampling, Segments, Shade, Technique,
+    Composite, GlobalRule, GradientInput, MOST_GROUPS, Plan, PlanLight, Sampling, Segments, Shade,
+    Technique,
 };
 use crate::planning::{place_depths, plan_lights, plan_of};
 use crate::problem::Checker;
@@ -10,7 +11,7 @@ use crate::settled::SettledScene;
 use crate::{
     Color, Gradient, GradientInput as SceneInput, Headers, LabelHeader, Method, PresetInfo, Scene,
     SegmentComposite, SegmentTechnique, SegmentUse, Shading, ShadingModel, TransferFunction,
-    TransferPoint, segments, technique,
+    TransferPoint, segment_looks, technique,
 };
 use std::collections::BTreeMap;
 use strahl_volume::Grid;
@@ -24,7 +25,7 @@ pub(crate) fn with_segments(
 ) -> Option<Plan> {
     let (techniques, uses, composite) = merged(scene);
     let (techniques, uses) = (&techniques, &uses[..]);
-    segments::check(
+    segment_looks::check(
         scene.segments.as_deref().unwrap_or(&[]),
         techniques,
         checker,
@@ -37,7 +38,7 @@ pub(crate) fn with_segments(
     let own = plan.techniques.swap_remove(0);
     plan.techniques.clear();
     let mut numbers = BTreeMap::new();
-    for name in segments::techniques_of(uses, labels) {
+    for name in segment_looks::techniques_of(uses, techniques, labels) {
         let drawn = match name.as_str() {
             technique::SCENE => Some((own.clone(), false)),
             name => {
@@ -68,20 +69,39 @@ pub(crate) fn with_segments(
     if is_lit && plan.lights.is_empty() && scene.lights.is_none() {
         plan.lights = default_lights(scene, headers, &plan);
     }
-    plan.global_rule = match composite.unwrap_or(SegmentComposite::EmissionAbsorption) {
-        SegmentComposite::EmissionAbsorption => plan.global_rule,
-        SegmentComposite::Mip => GlobalRule::Mip,
-        SegmentComposite::Average => GlobalRule::Average,
-        SegmentComposite::First => GlobalRule::First,
-        SegmentComposite::ImportanceAware => GlobalRule::ImportanceAware,
-    };
+    let of_scene = plan.global_rule;
+    let rule = |composite| rule_of(composite, of_scene);
+    let composite = composite.unwrap_or(SegmentComposite::EmissionAbsorption);
+    plan.global_rule = rule_of(composite, of_scene);
     let compositing = plan.compositing;
     let number = |name: &str| numbers.get(name).copied();
-    let labelled = segments::plan(uses, labels, grid, compositing, number);
+    let all = (uses, techniques);
+    let labelled = segment_looks::plan(all, labels, grid, compositing, number, rule);
+    if labelled.groups.len() > MOST_GROUPS {
+        let number = labelled.groups.len();
+        checker.add(
+            "segments",
+            format!("drawn in {number} groups of two-level techniques"),
+            &format!(
+                "at most {MOST_GROUPS}: segments of one technique, opacity and importance are one"
+            ),
+        );
+    }
     plan.layers[0].segments = Segments::Labelled(Box::new(labelled));
     // Techniques do not know the camera.
     place_depths(&mut plan);
     Some(plan)
+}
+
+/// What a composite is in the Plan; `plain` is emission and absorption.
+fn rule_of(composite: SegmentComposite, plain: GlobalRule) -> GlobalRule {
+    match composite {
+        SegmentComposite::EmissionAbsorption => plain,
+        SegmentComposite::Mip => GlobalRule::Mip,
+        SegmentComposite::Average => GlobalRule::Average,
+        SegmentComposite::First => GlobalRule::First,
+        SegmentComposite::ImportanceAware => GlobalRule::ImportanceAware,
+    }
 }
 
 /// The techniques of the preset and those of the scene; the uses of the preset, then those of the scene, which count more; how
@@ -97,6 +117,12 @@ fn merged(
     let preset = preset.map(PresetInfo::scene).unwrap_or_default();
     let mut techniques = preset.techniques.unwrap_or_default();
     techniques.extend(scene.techniques.clone().unwrap_or_default());
+    for technique in techniques.values_mut() {
+        technique.segments = technique
+            .segments
+            .as_deref()
+            .map(|uses| with_members(uses, scene));
+    }
     let mut uses = preset.segments.unwrap_or_default();
     uses.extend(scene.segments.clone().unwrap_or_default());
     let composite = scene.composite.or(preset.composite);
@@ -110,14 +136,21 @@ fn with_members(uses: &[SegmentUse], scene: &Scene) -> Vec<SegmentUse> {
 
 /// What a person should know who has the segments of `labels` drawn by `scene`.
 pub fn segment_notes(scene: &Scene, labels: &LabelHeader) -> Vec<String> {
+    let (techniques, ..) = merged(scene);
     let uses = scene.segments.as_deref().unwrap_or(&[]);
-    segments::notes(&with_members(uses, scene), labels)
+    segment_looks::notes(&with_members(uses, scene), &techniques, labels)
 }
 
 /// The names of the techniques that draw a segment of `labels`, in the order in which the Plan of the scene has them.
 pub(crate) fn technique_names(scene: &Scene, labels: &LabelHeader) -> Vec<String> {
-    let (_, uses, _) = merged(scene);
-    segments::techniques_of(&uses, labels)
+    let (techniques, uses, _) = merged(scene);
+    segment_looks::techniques_of(&uses, &techniques, labels)
+}
+
+/// The names of the two-level techniques that draw a segment of `labels`.
+pub(crate) fn two_level_names(scene: &Scene, labels: &LabelHeader) -> Vec<String> {
+    let (techniques, uses, _) = merged(scene);
+    segment_looks::two_level_of(&uses, &techniques, labels)
 }
 
 /// The lights of a scene that is lit by nothing but its segments.

@@ -1,11 +1,7 @@
 //! Which segments of a label volume are drawn how: from what a scene says to the Plan's [`Labelled`].
 
+use crate::Color;
 use crate::headers::LabelHeader;
-use crate::nearest::nearest;
-use crate::plan::{Compositing, Labelled, SegmentLook};
-use crate::problem::{Checker, Within};
-use crate::technique::{SCENE, SOLID, SegmentTechnique};
-use crate::{Color, light};
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -131,7 +127,11 @@ impl SegmentChoice {
     }
 
     /// Its parts that choose no segment of `labels`.
-    fn without_segments<'c>(&'c self, labels: &LabelHeader, found: &mut Vec<&'c SegmentChoice>) {
+    pub(crate) fn without_segments<'c>(
+        &'c self,
+        labels: &LabelHeader,
+        found: &mut Vec<&'c SegmentChoice>,
+    ) {
         match self {
             SegmentChoice::List(list) | SegmentChoice::But(AllBut { not: list }) => {
                 list.iter()
@@ -174,183 +174,6 @@ fn matches(pattern: &str, text: &str) -> bool {
     pattern[p..].iter().all(|c| *c == '*')
 }
 
-/// What a list of uses comes to for one segment.
-#[derive(Clone, Debug, PartialEq)]
-struct SettledScene<'u> {
-    technique: &'u str,
-    show: bool,
-    color: Option<Color>,
-    opacity: f64,
-    importance: f64,
-}
-
-impl<'u> SettledScene<'u> {
-    fn of(uses: &'u [SegmentUse], id: u32, label: Option<&Label>) -> SettledScene<'u> {
-        let mut settled = SettledScene {
-            technique: SOLID,
-            show: id != 0,
-            color: None,
-            opacity: 1.0,
-            importance: 0.0,
-        };
-        for used in uses.iter().filter(|used| used.of.has(id, label)) {
-            if let Some(technique) = &used.technique {
-                settled.technique = technique;
-            }
-            // Whoever says how the background is drawn wants to see it.
-            settled.show = used.show.unwrap_or(settled.show || id == 0);
-            settled.color = used.color.or(settled.color);
-            settled.opacity = used.opacity.unwrap_or(settled.opacity);
-            settled.importance = used.importance.unwrap_or(settled.importance);
-        }
-        settled
-    }
-}
-
-/// The names of the techniques that `uses` ask for among `segments`, each once, in the order in which they are met.
-pub(crate) fn techniques_of(uses: &[SegmentUse], labels: &LabelHeader) -> Vec<String> {
-    let mut names: Vec<String> = Vec::new();
-    for (id, label) in labels.segments() {
-        let settled = SettledScene::of(uses, id, label);
-        if settled.show && !names.iter().any(|name| name == settled.technique) {
-            names.push(settled.technique.to_owned());
-        }
-    }
-    names
-}
-
-/// Says what is wrong with `uses` whatever segments there are.
-pub(crate) fn check(
-    uses: &[SegmentUse],
-    techniques: &BTreeMap<String, SegmentTechnique>,
-    checker: &mut Checker,
-) {
-    for (i, used) in uses.iter().enumerate() {
-        let path = format!("segments[{i}]");
-        if let Some(opacity) = used.opacity {
-            checker.number(
-                &format!("{path}.opacity"),
-                opacity,
-                Within::Closed(0.0, 1.0),
-            );
-        }
-        if let Some(importance) = used.importance {
-            let within = Within::Closed(0.0, 50.0);
-            checker.number(&format!("{path}.importance"), importance, within);
-        }
-        if let Some(color) = used.color {
-            light::check_color(&format!("{path}.color"), color, checker);
-        }
-        let Some(name) = &used.technique else {
-            continue;
-        };
-        let known = || techniques.keys().map(String::as_str).chain([SOLID, SCENE]);
-        if !known().any(|other| other == name) {
-            let mut allowed = known().collect::<Vec<_>>().join(", ");
-            if let Some(near) = nearest(name, known()) {
-                allowed.push_str(&format!("; did you mean {near:?}?"));
-            }
-            checker.add(format!("{path}.technique"), format!("{name:?}"), &allowed);
-        }
-    }
-}
-
-/// The segments of a Plan. `number` tells the number of a technique by its name, and whether its colors are those of
-/// the segments.
-pub(crate) fn plan(
-    uses: &[SegmentUse],
-    labels: &LabelHeader,
-    grid: strahl_volume::Grid,
-    compositing: Compositing,
-    number: impl Fn(&str) -> Option<(usize, bool)>,
-) -> Labelled {
-    let look = |id: u32, label: Option<&Label>| {
-        let settled = SettledScene::of(uses, id, label);
-        let Some((technique, is_colored)) = number(settled.technique).filter(|_| settled.show)
-        else {
-            return SegmentLook::HIDDEN;
-        };
-        let color = match settled.color {
-            Some(color) => color,
-            None if is_colored => color_of(id, label),
-            None => Color::WHITE,
-        };
-        SegmentLook {
-            technique: Some(technique),
-            tint: color.in_space(compositing),
-            opacity: settled.opacity as f32,
-            importance: settled.importance as f32,
-        }
-    };
-    Labelled {
-        labels: 0,
-        grid,
-        is_moved: grid != labels.grid,
-        looks: labels
-            .segments()
-            .map(|(id, label)| (id, look(id, label)))
-            .collect(),
-        others: SegmentLook::HIDDEN,
-    }
-}
-
-/// The color that the file gives, or one that few other ids have.
-fn color_of(id: u32, label: Option<&Label>) -> Color {
-    if let Some(color) = label.and_then(|label| label.color) {
-        return Color(color.map(f64::from));
-    }
-    // Hues by the golden ratio lie apart, however many there are; three lightnesses tell neighbors of a hue apart.
-    let hue = 6.0 * (f64::from(id) * 0.618_033_988_749_895).fract();
-    let [least, most] = [[0.25, 0.95], [0.45, 1.0], [0.1, 0.7]][(id / 7 % 3) as usize];
-    let channel = |middle: f64| {
-        let distance = (hue - middle).abs().min(6.0 - (hue - middle).abs());
-        least + (most - least) * (2.0 - distance).clamp(0.0, 1.0)
-    };
-    Color([channel(0.0), channel(2.0), channel(4.0)])
-}
-
-/// What a person should know who has `uses` drawn of `labels`.
-pub(crate) fn notes(uses: &[SegmentUse], labels: &LabelHeader) -> Vec<String> {
-    let mut notes = Vec::new();
-    for (i, used) in uses.iter().enumerate() {
-        let mut missing = Vec::new();
-        used.of.without_segments(labels, &mut missing);
-        for choice in missing {
-            let (what, near) = match choice {
-                SegmentChoice::Id(id) => (format!("the id {id}"), None),
-                SegmentChoice::Name(name) => {
-                    let names = labels.labels.iter().map(|label| &*label.name);
-                    (format!("the name {name:?}"), nearest(name, names))
-                }
-                SegmentChoice::Group(OfGroup { group }) => {
-                    let groups = labels
-                        .labels
-                        .iter()
-                        .flat_map(|label| label.group.as_deref());
-                    (format!("the group {group:?}"), nearest(group, groups))
-                }
-                SegmentChoice::List(_) | SegmentChoice::But(_) => continue,
-            };
-            let near = near.map_or(String::new(), |near| format!("; did you mean {near:?}?"));
-            notes.push(format!("segments[{i}].of: no segment has {what}{near}"));
-        }
-    }
-    if shown(uses, labels) == 0 {
-        let hidden = "every segment is hidden: the picture is empty";
-        // A choice without segments is the reason.
-        match notes.last_mut() {
-            Some(note) => *note = format!("{note}; {hidden}"),
-            None => notes.push(hidden.to_owned()),
-        }
-    }
-    notes
-}
-
-fn shown(uses: &[SegmentUse], labels: &LabelHeader) -> usize {
-    let is_shown = |(id, label): &(u32, Option<&Label>)| SettledScene::of(uses, *id, *label).show;
-    labels.segments().filter(is_shown).count()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -372,31 +195,5 @@ mod tests {
         ] {
             assert_eq!(matches(pattern, text), expected, "{pattern} {text}");
         }
-    }
-
-    #[test]
-    fn later_uses_count_more_and_the_background_is_shown_only_when_named() {
-        let uses: Vec<SegmentUse> = serde_json::from_str(
-            r#"[{ "of": "*", "opacity": 0.2 }, { "of": ["L*", 9], "technique": "scene" }, { "of": 9, "show": false }]"#,
-        )
-        .unwrap();
-        let of = |id, label: Option<&Label>| SettledScene::of(&uses, id, label);
-        let liver = of(5, Some(&Label::new(5, "liver")));
-        assert_eq!(
-            (liver.technique, liver.show, liver.opacity),
-            (SCENE, true, 0.2)
-        );
-        assert!(!of(9, None).show && !of(0, Some(&Label::new(0, "air"))).show);
-        let named = [SegmentUse {
-            of: SegmentChoice::Id(0),
-            technique: None,
-            show: None,
-            color: None,
-            opacity: None,
-            importance: None,
-        }];
-        assert!(SettledScene::of(&named, 0, None).show);
-        // Without any use all but the background are shown.
-        assert!(SettledScene::of(&[], 1, None).show && !SettledScene::of(&[], 0, None).show);
     }
 }

@@ -1,6 +1,8 @@
 //! How segments can be drawn: the techniques of a scene, and the two that every scene has.
 
-use crate::{FunctionUse, GradientInput, Method, Shading, TransferFunction};
+use crate::{
+    FunctionUse, GradientInput, Method, SegmentComposite, SegmentUse, Shading, TransferFunction,
+};
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -20,13 +22,20 @@ pub struct SegmentTechnique {
     /// Name of a preset that fills in what is not set here.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub preset: Option<String>,
+    /// Makes it two-level: the runs of the segments that it draws, as far as they follow one another, become one run by this
+    /// rule; default `emission-absorption` if `segments` is set.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub composite: Option<SegmentComposite>,
+    /// Makes it two-level: how it draws which of its segments; later entries count more. Without, all are solid in their colors.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub segments: Option<Vec<SegmentUse>>,
     /// How the samples of a run become one; default `emission-absorption`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub method: Option<Method>,
     /// The value of the surface that method `first-hit` draws.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub threshold: Option<f64>,
-    /// Method `mida`: −1 is emission–absorption, 0 the method itself (default), 1 the largest value alone.
+    /// Method `mida`: −1 is emission–absorption, 0 the method itself (default).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub blend: Option<f64>,
     /// Value → color and opacity. Without it, and without a preset: white, so that segments have their own colors; solid,
@@ -45,6 +54,16 @@ pub struct SegmentTechnique {
 }
 
 impl SegmentTechnique {
+    /// Whether its segments have techniques of their own.
+    pub(crate) fn is_two_level(&self) -> bool {
+        self.composite.is_some() || self.segments.is_some()
+    }
+
+    /// How it draws its segments, if it is two-level.
+    pub(crate) fn uses(&self) -> &[SegmentUse] {
+        self.segments.as_deref().unwrap_or(&[])
+    }
+
     /// Whether its transfer function is its own, and with it its colors.
     pub(crate) fn has_colors(&self) -> bool {
         self.preset.is_some() || self.transfer_function.is_some()

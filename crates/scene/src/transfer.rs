@@ -9,6 +9,8 @@ pub struct TransferTable {
     domain: [f32; 2],
     reference_mm: f32,
     entries: Vec<[f32; 4]>,
+    /// Empty if the function is one of the value alone.
+    rows: Vec<[f32; 4]>,
 }
 
 impl TransferTable {
@@ -23,7 +25,39 @@ impl TransferTable {
             domain,
             reference_mm,
             entries,
+            rows: Vec::new(),
         }
+    }
+
+    /// A function of value and gradient magnitude: rows of `columns` entries each, from no gradient to the largest, whatever that is.
+    /// As a function of the value alone it has the largest opacity of each column.
+    ///
+    /// # Panics
+    /// As [`new`](Self::new); if there are fewer than two rows, or one is not whole.
+    pub fn of_rows(
+        domain: [f32; 2],
+        reference_mm: f32,
+        columns: usize,
+        rows: Vec<[f32; 4]>,
+    ) -> TransferTable {
+        assert!(columns > 0 && rows.len() >= 2 * columns && rows.len().is_multiple_of(columns));
+        let most = |column: usize| {
+            let of_column = rows.iter().skip(column).step_by(columns);
+            of_column.fold(
+                [0.0f32; 4],
+                |most, e| if e[3] > most[3] { *e } else { most },
+            )
+        };
+        let entries = (0..columns).map(most).collect();
+        TransferTable {
+            rows,
+            ..TransferTable::new(domain, reference_mm, entries)
+        }
+    }
+
+    /// The rows of a function of value and gradient magnitude, as many columns as [`entries`](Self::entries); none of one of the value alone.
+    pub fn rows(&self) -> &[[f32; 4]] {
+        &self.rows
     }
 
     /// Values of the first and the last entry.

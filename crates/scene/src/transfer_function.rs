@@ -1,5 +1,11 @@
 //! The transfer function, as people write it, and its way to a [`TransferTable`].
 
+mod regions;
+
+use regions::LARGEST_VALUE;
+pub use regions::TransferRegion;
+pub(crate) use regions::classify_of;
+
 use crate::light::check_color;
 use crate::plan::Compositing;
 use crate::problem::{Checker, Within};
@@ -39,12 +45,36 @@ pub struct TransferFunction {
     /// and 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub opacity: Option<[f64; 2]>,
+    /// Areas of value and gradient magnitude, in place of points: a two-dimensional transfer function. Later ones lie over
+    /// earlier ones; elsewhere everything is transparent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub regions: Option<Vec<TransferRegion>>,
     /// The length of material in mm that an opacity refers to.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reference_mm: Option<f64>,
     /// The same in units of the mean voxel spacing; default 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reference_voxels: Option<f64>,
+}
+
+/// What regions do not go together with.
+fn check_beside_regions(function: &TransferFunction, path: &str, checker: &mut Checker) {
+    for (is_set, key) in [
+        (function.points.is_some(), "points"),
+        (function.window.is_some(), "window"),
+        (function.level.is_some(), "level"),
+        (function.color_map.is_some(), "color_map"),
+        (function.opacity.is_some(), "opacity"),
+    ] {
+        if is_set {
+            let path = format!("{path}transfer_function.{key}");
+            checker.add(
+                path,
+                "set beside regions",
+                "regions or a function of the value",
+            );
+        }
+    }
 }
 
 /// What the values of transfer function points count in.
@@ -172,8 +202,6 @@ impl JsonSchema for TransferPoint {
     }
 }
 
-/// Values beyond are no help to anybody, and their differences would overflow f32.
-const LARGEST_VALUE: f64 = 1e30;
 /// A table of 65,536 entries takes 1 MiB; more would be slower to look up than to compute.
 const MOST_ENTRIES: usize = 1 << 16;
 /// With fewer entries than this (64 KiB, at home in a CPU's second cache) nothing is saved.
@@ -190,6 +218,8 @@ pub(crate) struct SettledFunction {
     pub opacity: Option<[f64; 2]>,
     /// `None` if nothing counts in it.
     pub window: Option<SettledWindow>,
+    /// In place of all that, if there are some.
+    pub regions: Vec<TransferRegion>,
     pub reference: Reference,
 }
 
@@ -206,6 +236,16 @@ pub(crate) enum Reference {
     Mm(f64),
     /// Mean voxel spacings.
     Voxels(f64),
+}
+
+impl Reference {
+    /// `reference_mm` or `reference_voxels`.
+    fn scene(self) -> (Option<f64>, Option<f64>) {
+        match self {
+            Reference::Mm(mm) => (Some(mm), None),
+            Reference::Voxels(voxels) => (None, Some(voxels)),
+        }
+    }
 }
 
 impl SettledWindow {
@@ -227,6 +267,13 @@ impl TransferFunction {
         if self.points.as_ref().is_some_and(Vec::is_empty) {
             let path = format!("{path}transfer_function.points");
             checker.add(path, "empty", "one point or more");
+        }
+        if let Some(regions) = &self.regions {
+            check_beside_regions(self, path, checker);
+            if regions.is_empty() {
+                let path = format!("{path}transfer_function.regions");
+                checker.add(path, "empty", "one region or more");
+            }
         }
         let mut points = self.points.clone().unwrap_or_default();
         let colors = points.iter().any(|point| point.color.is_some());
@@ -257,6 +304,7 @@ impl TransferFunction {
             color_map: self.color_map.or((!colors).then_some(ColorMap::Grey)),
             opacity: self.opacity.or((!opacities).then_some([0.0, 1.0])),
             window: window.filter(|_| stands_on_window),
+            regions: self.regions.clone().unwrap_or_default(),
             reference: match (self.reference_mm, self.reference_voxels) {
                 (Some(mm), voxels) => {
                     if let Some(voxels) = voxels {
@@ -277,7 +325,7 @@ impl TransferFunction {
     /// preset's altogether; a colour map replaces its colours, the two opacities its opacities; a
     /// window moves points that count in it and replaces those that count in values.
     pub(crate) fn over(&self, preset: &TransferFunction) -> TransferFunction {
-        if self.points.is_some() {
+        if self.points.is_some() || self.regions.is_some() {
             return self.clone();
         }
         let mut merged = preset.clone();
@@ -307,6 +355,7 @@ impl TransferFunction {
         }
         let own_reference = self.reference_mm.is_some() || self.reference_voxels.is_some();
         TransferFunction {
+            regions: None,
             points: merged.points,
             points_in: self.points_in.or(merged.points_in),
             window: self.window.or(merged.window),
@@ -330,6 +379,10 @@ impl TransferFunction {
 impl SettledFunction {
     /// The largest opacity, from 0 to 1.
     pub fn most_opaque(&self) -> f64 {
+        if !self.regions.is_empty() {
+            let of_regions = self.regions.iter().map(|r| r.opacity.unwrap_or(1.0));
+            return of_regions.fold(0.0, f64::max).clamp(0.0, 1.0);
+        }
         let of_points = self.points.iter().filter_map(|point| point.opacity);
         let opacities = of_points.chain(self.opacity.into_iter().flatten());
         opacities.fold(0.0, f64::max).clamp(0.0, 1.0)
@@ -337,12 +390,19 @@ impl SettledFunction {
 
     /// As a scene says it.
     pub fn scene(&self) -> TransferFunction {
+        if !self.regions.is_empty() {
+            let (reference_mm, reference_voxels) = self.reference.scene();
+            return TransferFunction {
+                regions: Some(self.regions.clone()),
+                reference_mm,
+                reference_voxels,
+                ..TransferFunction::default()
+            };
+        }
         let has_points = !self.points.is_empty();
-        let (reference_mm, reference_voxels) = match self.reference {
-            Reference::Mm(mm) => (Some(mm), None),
-            Reference::Voxels(voxels) => (None, Some(voxels)),
-        };
+        let (reference_mm, reference_voxels) = self.reference.scene();
         TransferFunction {
+            regions: None,
             points: has_points.then(|| self.points.clone()),
             points_in: has_points.then_some(PointsIn::Values),
             window: self.window.map(|window| window.width),
@@ -378,10 +438,14 @@ impl SettledFunction {
             );
             return None;
         }
+        if !self.regions.is_empty() {
+            return Some(regions::table(&self.regions, reference_mm, compositing));
+        }
         Some(self.curves().table(header, reference_mm, compositing))
     }
 
     fn check(&self, header: &VolumeHeader, checker: &mut Checker) {
+        regions::check(&self.regions, checker);
         let points = &self.points;
         if points.len() > MOST_ENTRIES {
             checker.add(

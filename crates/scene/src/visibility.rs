@@ -253,9 +253,10 @@ fn shows(classify: Classify, table: &Opaque, lo: f32, hi: f32) -> bool {
         }
     };
     match classify {
-        Classify::Table | Classify::GradientTable { .. } | Classify::PreClassified => {
-            table.any(lo, hi)
-        }
+        Classify::Table
+        | Classify::GradientTable { .. }
+        | Classify::ValueGradient { .. }
+        | Classify::PreClassified => table.any(lo, hi),
         Classify::Identity { black, white } => grey(black, white),
         Classify::Threshold {
             threshold,

@@ -6,9 +6,11 @@
 mod reads;
 
 use crate::plan::{Classify, Composite, GlobalRule, Jitter, Plan, Shade};
-use crate::segmented::technique_names;
+use crate::segmented::{technique_names, two_level_names};
 use crate::technique::{SCENE, SegmentTechnique};
-use crate::{Clip, FunctionUse, Headers, Method, Scene, Shading, TransferFunction};
+use crate::{
+    Clip, FunctionUse, Headers, Method, Scene, SegmentComposite, Shading, TransferFunction,
+};
 use reads::Reads;
 use std::collections::BTreeMap;
 use strahl_shader::SLOTS;
@@ -64,6 +66,7 @@ pub fn keys_without_effect(scene: &Scene, plan: &Plan, headers: &Headers) -> Vec
         (Some(labels), Some(_)) => {
             let names = technique_names(scene, labels);
             of_segments(scene, plan, &names, &all, &mut keys);
+            of_two_level(scene, &two_level_names(scene, labels), &mut keys);
         }
         _ => {
             of_composite(&OfTechnique::of_scene(scene), &all[0], &mut keys);
@@ -270,7 +273,8 @@ fn of_segments(scene: &Scene, plan: &Plan, names: &[String], all: &[Reads], keys
             of_functions_of_segments(scene, plan, &[], all, keys);
         }
     }
-    for (name, technique) in scene.techniques.iter().flatten() {
+    let techniques = scene.techniques.iter().flatten();
+    for (name, technique) in techniques.filter(|(_, technique)| !technique.is_two_level()) {
         let Some(reads) = reads_of(name) else {
             keys.unless(
                 false,
@@ -302,6 +306,40 @@ fn of_segments(scene: &Scene, plan: &Plan, names: &[String], all: &[Reads], keys
             &format!("segments[{i}].importance"),
             "composite is not importance-aware",
         );
+    }
+}
+
+/// Keys of two-level techniques, of which those in `names` draw a segment.
+fn of_two_level(scene: &Scene, names: &[String], keys: &mut Keys) {
+    let techniques = scene.techniques.iter().flatten();
+    for (name, technique) in techniques.filter(|(_, technique)| technique.is_two_level()) {
+        let path = format!("techniques.{name}");
+        let is_drawn = names.contains(name);
+        keys.unless(is_drawn, &path, "no segment is drawn by it");
+        if !is_drawn {
+            continue;
+        }
+        for (is_set, key) in [
+            (technique.preset.is_some(), "preset"),
+            (technique.method.is_some(), "method"),
+            (technique.threshold.is_some(), "threshold"),
+            (technique.blend.is_some(), "blend"),
+            (technique.transfer_function.is_some(), "transfer_function"),
+            (technique.shading.is_some(), "shading"),
+            (technique.gradient_of.is_some(), "gradient_of"),
+            (technique.functions.is_some(), "functions"),
+        ] {
+            let why = "the technique is two-level: its segments have techniques of their own";
+            keys.unless(!is_set, &format!("{path}.{key}"), why);
+        }
+        let by_importance = technique.composite == Some(SegmentComposite::ImportanceAware);
+        for (i, used) in technique.uses().iter().enumerate() {
+            keys.unless(
+                used.importance.is_none() || by_importance,
+                &format!("{path}.segments[{i}].importance"),
+                "composite of the technique is not importance-aware",
+            );
+        }
     }
 }
 

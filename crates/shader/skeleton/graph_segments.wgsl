@@ -26,10 +26,6 @@ fn enter_segment(position: vec3f) -> SegmentHere {
     return SegmentHere(segment_of_run, position);
 }
 
-fn no_runs() -> Runs {
-    return Runs(vec4f(0.0), 0.0, 0.0);
-}
-
 /// None where nothing behind `runs` can be seen.
 fn technique_of_new_run(segment: u32, runs: Runs) -> u32 {
     return select(technique_of_segment(segment), HIDDEN, is_complete(runs));

@@ -1,11 +1,11 @@
 // What the loop over one object in segments calls: samples of one segment in a row are a run, which its
-// technique makes into one sample; runs add up front to back.
+// technique makes into one sample; runs add up front to back, those of a group among themselves first.
 
 @group(0) @binding(14) var labels: texture_3d<u32>;
 /// Rows of `TABLE_ROW` entries, `SEGMENT_ENTRIES` for each segment.
 @group(0) @binding(15) var segments: texture_2d<u32>;
 
-const SEGMENT_ENTRIES: u32 = 6u;
+const SEGMENT_ENTRIES: u32 = 7u;
 const HIDDEN: u32 = 0u;
 const NO_SEGMENT: u32 = 0xFFFFFFFFu;
 /// In voxels: what rounding may move a place beyond the extent.
@@ -17,6 +17,12 @@ var<private> step_in_voxel: vec3f;
 var<private> technique_of_run: u32 = HIDDEN;
 
 var<private> segment_of_run: u32 = NO_SEGMENT;
+/// Opacity of all that lies before the run.
+var<private> alpha_before: f32 = 0.0;
+
+fn covered() -> f32 {
+    return alpha_before;
+}
 
 fn technique() -> u32 {
     return technique_of_run;
@@ -125,12 +131,25 @@ fn technique_of_segment(segment: u32) -> u32 {
     return segment_entry(segment, 0u);
 }
 
-/// What the runs of a ray add up to, and what the rule remembers of them.
-struct Runs {
+/// What runs add up to, and what their rule remembers of them.
+struct Sum {
     color: vec4f,
     weight: f32,
     number: f32,
 }
+
+/// What the runs of a ray have become so far.
+struct Runs {
+    /// Those without a group, and groups.
+    all: Sum,
+    /// Those of the group in which the ray is, counted from 1; 0 if it is in none.
+    of_group: Sum,
+    group: u32,
+    /// The importance of the places of the group's runs.
+    group_by_place: f32,
+}
+
+const NOTHING: Sum = Sum(vec4f(0.0), 0.0, 0.0);
 
 // How runs become a pixel: the numbers of `table_entry(3u).z`.
 const BRIGHTEST: u32 = 1u;
@@ -142,6 +161,23 @@ fn global_rule() -> u32 {
     return u32(table_entry(3u).z);
 }
 
+// Of a group, counted from 1, its rule, opacity and importance.
+fn group_numbers(group: u32) -> vec4f {
+    return table_entry(4u + group);
+}
+
+// The rule by which runs of a group add up, or by which runs without a group do.
+fn rule_of(group: u32) -> u32 {
+    if group == 0u {
+        return global_rule();
+    }
+    return u32(group_numbers(group).x);
+}
+
+fn no_runs() -> Runs {
+    return Runs(NOTHING, NOTHING, 0u, 0.0);
+}
+
 // With a run of `segment`, which has a tint and an opacity; `by_place` is the importance of its places.
 fn with_run(runs: Runs, untinted: vec4f, segment: u32, by_place: f32) -> Runs {
     let factors = bitcast<vec4f>(vec4u(
@@ -151,39 +187,70 @@ fn with_run(runs: Runs, untinted: vec4f, segment: u32, by_place: f32) -> Runs {
         segment_entry(segment, 4u),
     ));
     let run = untinted * factors;
-    if run.a <= 0.0 {
+    let importance = bitcast<f32>(segment_entry(segment, 5u)) + by_place;
+    var next = runs;
+    if runs.group == 0u {
+        next.all = added(runs.all, run, importance, global_rule());
+    } else {
+        next.of_group = added(runs.of_group, run, importance, rule_of(runs.group));
+        next.group_by_place = max(runs.group_by_place, by_place);
+    }
+    return next;
+}
+
+// Where the ray is in `segment`: the group that it has left makes one sample.
+fn entered(runs: Runs, segment: u32) -> Runs {
+    return in_group(runs, segment_entry(segment, 6u));
+}
+
+fn in_group(runs: Runs, group: u32) -> Runs {
+    if group == runs.group {
         return runs;
     }
-    switch global_rule() {
+    var all = runs.all;
+    if runs.group != 0u {
+        let numbers = group_numbers(runs.group);
+        let sample = mixed(runs.of_group, rule_of(runs.group)) * numbers.y;
+        all = added(all, sample, numbers.z + runs.group_by_place, global_rule());
+    }
+    return Runs(all, NOTHING, group, 0.0);
+}
+
+// With one more run, by a rule.
+fn added(sum: Sum, run: vec4f, importance: f32, rule: u32) -> Sum {
+    if run.a <= 0.0 {
+        return sum;
+    }
+    switch rule {
         case BRIGHTEST: {
             let luminance = dot(run.rgb, vec3f(0.2126, 0.7152, 0.0722));
-            if luminance > runs.weight {
-                return Runs(run, luminance, 1.0);
+            if luminance > sum.weight {
+                return Sum(run, luminance, 1.0);
             }
-            return runs;
+            return sum;
         }
         case AVERAGE: {
-            return Runs(runs.color + run, 0.0, runs.number + 1.0);
+            return Sum(sum.color + run, 0.0, sum.number + 1.0);
         }
         case FIRST: {
-            if runs.number > 0.0 {
-                return runs;
+            if sum.number > 0.0 {
+                return sum;
             }
-            return Runs(run, 0.0, 1.0);
+            return Sum(run, 0.0, 1.0);
         }
         case IMPORTANCE_AWARE: {
-            return with_important(runs, run, bitcast<f32>(segment_entry(segment, 5u)) + by_place);
+            return with_important(sum, run, importance);
         }
         default: {
-            return Runs(runs.color + (1.0 - runs.color.a) * run, 0.0, 1.0);
+            return Sum(sum.color + (1.0 - sum.color.a) * run, 0.0, 1.0);
         }
     }
 }
 
 // As the composite `importance_aware` adds a sample.
-fn with_important(runs: Runs, run: vec4f, importance: f32) -> Runs {
-    let rise = importance - runs.weight;
-    let before = runs.color.a;
+fn with_important(sum: Sum, run: vec4f, importance: f32) -> Sum {
+    let rise = importance - sum.weight;
+    let before = sum.color.a;
     var kept = 1.0;
     if rise > 0.0 && 1.0 - before < 1.0 - exp(-rise) {
         kept = exp(-rise) / before;
@@ -191,10 +258,10 @@ fn with_important(runs: Runs, run: vec4f, importance: f32) -> Runs {
     let passing = 1.0 - run.a;
     let alpha = before * passing + run.a;
     let modulated = kept * before * passing + run.a;
-    let color = kept * runs.color.rgb + (1.0 - kept * before) * run.rgb;
+    let color = kept * sum.color.rgb + (1.0 - kept * before) * run.rgb;
     let accumulated = importance + log(run.a + passing * exp(min(-rise, 0.0)));
-    let weight = select(runs.weight, max(runs.weight, accumulated), rise > 0.0);
-    return Runs(vec4f(color * (alpha / modulated), alpha), weight, 1.0);
+    let weight = select(sum.weight, max(sum.weight, accumulated), rise > 0.0);
+    return Sum(vec4f(color * (alpha / modulated), alpha), weight, 1.0);
 }
 
 // The hit of the ray is that of its first run with one.
@@ -202,18 +269,18 @@ fn keep_first_hit(before_mm: f32) {
     hit_mm = select(hit_mm, before_mm, before_mm < NOWHERE_MM);
 }
 
-// Whether nothing behind can be runs.
+// Whether nothing behind can be seen.
 fn is_complete(runs: Runs) -> bool {
-    let passing = 1.0 - runs.color.a;
+    let passing = 1.0 - runs.all.color.a;
     switch global_rule() {
         case BRIGHTEST, AVERAGE: {
             return false;
         }
         case FIRST: {
-            return runs.number > 0.0;
+            return runs.all.number > 0.0;
         }
         case IMPORTANCE_AWARE: {
-            return passing < 0.00390625 && runs.weight >= table_entry(3u).w;
+            return passing < 0.00390625 && runs.all.weight >= table_entry(3u).w;
         }
         default: {
             return passing < table_entry(3u).y || passing <= 0.0;
@@ -221,9 +288,18 @@ fn is_complete(runs: Runs) -> bool {
     }
 }
 
-fn pixel_of(runs: Runs) -> vec4f {
-    if global_rule() == AVERAGE {
-        return runs.color / max(runs.number, 1.0);
+fn mixed(sum: Sum, rule: u32) -> vec4f {
+    if rule == AVERAGE {
+        return sum.color / max(sum.number, 1.0);
     }
-    return runs.color;
+    return sum.color;
+}
+
+fn pixel_of(runs: Runs) -> vec4f {
+    return mixed(in_group(runs, 0u).all, global_rule());
+}
+
+fn opacity_before(runs: Runs) -> f32 {
+    let passing = 1.0 - min(mixed(runs.all, global_rule()).a, 1.0);
+    return 1.0 - passing * (1.0 - min(mixed(runs.of_group, rule_of(runs.group)).a, 1.0));
 }

@@ -11,7 +11,7 @@ fn march(pixel: vec2u) -> vec4f {
     step_in_voxel = line.along * frame.step_mm;
     let to_eye = -ray.direction;
 
-    var runs = Runs(vec4f(0.0), 0.0, 0.0);
+    var runs = no_runs();
     segment_of_run = NO_SEGMENT;
     var by_place = 0.0;
     var state = composite_start();
@@ -25,11 +25,13 @@ fn march(pixel: vec2u) -> vec4f {
             }
             segment_of_run = segment;
             technique_of_run = technique_of_segment(segment);
+            runs = entered(runs, segment);
             if is_complete(runs) {
                 technique_of_run = HIDDEN;
                 break;
             }
             state = composite_start();
+            alpha_before = opacity_before(runs);
             by_place = 0.0;
         }
         if technique_of_run == HIDDEN || clip_sample(place_mm(position)) {

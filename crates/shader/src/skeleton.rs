@@ -144,9 +144,9 @@ pub mod bindings {
     pub const PAGES: u32 = 12;
     /// `texture_3d<u32>`: the number of each voxel's segment in the label volume.
     pub const LABELS: u32 = 14;
-    /// `texture_2d<u32>`, rows of [`TABLE_ROW`](crate::TABLE_ROW) entries, six for each segment: which technique
+    /// `texture_2d<u32>`, rows of [`TABLE_ROW`](crate::TABLE_ROW) entries, seven for each segment: which technique
     /// draws it, 0 if it is hidden; the bits of what the color and opacity of its runs are multiplied by, and of their
-    /// importance.
+    /// importance; its group, 0 without.
     pub const SEGMENTS: u32 = 15;
     /// `texture_2d<f32>`, rgba: what is behind the volumes, opaque geometry before the background. It
     /// covers the part that is drawn.
@@ -328,6 +328,7 @@ fn skeleton(what: &RayLoop, kind: &str, march: &str) -> Result<Skeleton, Error> 
             true => include_str!("../skeleton/runs_by_place.wgsl").into(),
             false => include_str!("../skeleton/runs_anywhere.wgsl").into(),
         },
+        include_str!("../skeleton/table_2d.wgsl").into(),
         include_str!("../skeleton/texel.wgsl").into(),
         include_str!("../skeleton/linear_by_texels.wgsl").into(),
         include_str!("../skeleton/pages.wgsl").into(),
@@ -340,6 +341,7 @@ fn skeleton(what: &RayLoop, kind: &str, march: &str) -> Result<Skeleton, Error> 
     ];
     if *techniques != Techniques::OfSegments {
         parts.push(include_str!("../skeleton/membership_of_one.wgsl").into());
+        parts.push(include_str!("../skeleton/covered_by_nothing.wgsl").into());
     }
     Ok(Skeleton {
         name,

@@ -186,12 +186,17 @@ pub static SLOTS: [Slot; 12] = [
 
 /// Functions that every module may call and no module replaces: the renderer or the linker
 /// supplies them.
-pub static SUPPLIED: [Signature; 26] = [
+pub static SUPPLIED: [Signature; 28] = [
     function("object", &[], "u32"),
     function("dims", &[], "vec3i"),
     function("texel", &[("voxel", "vec3i")], "f32"),
     function("texel_linear", &[("position", "vec3f")], "f32"),
     function("table", &[("value", "f32")], "Surface"),
+    function(
+        "table_2d",
+        &[("value", "f32"), ("share", "f32"), ("size", "vec2u")],
+        "Surface",
+    ),
     function("mask", &[("index", "u32"), ("place", "vec3f")], "f32"),
     function("tile", &[("pixel", "vec2u")], "f32"),
     function("opaque_mm", &[], "f32"),
@@ -199,6 +204,7 @@ pub static SUPPLIED: [Signature; 26] = [
     function("voxel_of", &[("place_mm", "vec3f")], "vec3f"),
     function("step_mm", &[], "f32"),
     function("membership", &[("position", "vec3f")], "f32"),
+    function("covered", &[], "f32"),
     function("importance_at", &[("position", "vec3f")], "f32"),
     function("in_camera", &[("v", "vec3f")], "vec3f"),
     function("table_domain", &[], "vec2f"),

@@ -111,7 +111,10 @@ fn cost(plan: &Plan, layer: usize, field: &Field) -> f64 {
         _ => 6.0,
     };
     let has_gradient = matches!(technique.shade, Shade::Lit { .. })
-        || matches!(technique.classify, Classify::GradientTable { .. });
+        || matches!(
+            technique.classify,
+            Classify::GradientTable { .. } | Classify::ValueGradient { .. }
+        );
     let gradient = if has_gradient { 3.0 } else { 1.0 };
     let rule = if plan.sampling == Sampling::Regular {
         1.0

@@ -3,7 +3,7 @@
 use super::counts::Counts;
 use super::ray_history::RayHistory;
 use super::ray_memory::RayMemory;
-use super::runs::Runs;
+use super::runs::{Runs, Sum};
 use crate::lanes::{F32s, LANES, Mask, Vec3s, each, lanes, to_rows};
 use crate::levels::{Level, inlined, vectorized};
 use crate::library::composite::{Crossing, Rule, Sample, State, with_rule};
@@ -139,14 +139,41 @@ impl<'s, S: Level> Packet<'s, S> {
         let Runs {
             segment,
             technique,
-            colour: [seen_r, seen_g, seen_b],
-            alpha: seen_alpha,
-            weight: seen_weight,
-            number: seen_runs,
+            group,
+            all:
+                Sum {
+                    colour: [seen_r, seen_g, seen_b],
+                    alpha: seen_alpha,
+                    weight: seen_weight,
+                    number: seen_runs,
+                },
+            of_group:
+                Sum {
+                    colour: [group_r, group_g, group_b],
+                    alpha: group_alpha,
+                    weight: group_weight,
+                    number: group_runs,
+                },
             by_place,
+            group_by_place,
             place: hit_place,
             has_place,
         } = &mut *self.runs;
+        // Segments are sampled at lattice points only, and look back at nothing.
+        let [last_alpha, before, begin, end, gx, gy, gz, known] =
+            match self.scenery.segments.is_some() {
+                true => [
+                    group_alpha,
+                    group_r,
+                    group_g,
+                    group_b,
+                    group_weight,
+                    group_runs,
+                    group_by_place,
+                    group,
+                ],
+                false => [&mut self.last_alpha, before, begin, end, gx, gy, gz, known],
+            };
         [
             &mut self.k,
             r,
@@ -160,7 +187,7 @@ impl<'s, S: Level> Packet<'s, S> {
             nx,
             ny,
             nz,
-            &mut self.last_alpha,
+            last_alpha,
             before,
             begin,
             end,

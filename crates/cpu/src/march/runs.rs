@@ -1,7 +1,7 @@
 //! Where rays stand among the segments of a label volume.
 
 use crate::lanes::{F32s, Mask, Vec3s, each};
-use crate::levels::Level;
+use crate::levels::{Level, vectorized};
 use crate::library::composite::LUMINANCE;
 use crate::library::composite::importance_aware::Accumulated;
 use crate::segment_numbers::SegmentNumbers;
@@ -14,20 +14,33 @@ pub struct Runs<S: Level> {
     pub segment: F32s<S>,
     /// Its technique, counted from 1; 0 where it is hidden or nothing of the run is left to be added.
     pub technique: F32s<S>,
-    /// Premultiplied.
-    pub colour: Vec3s<S>,
-    /// Opacity.
-    pub alpha: F32s<S>,
-    /// What the rule of the Plan remembers of them: the largest luminance, or the importance so far …
-    pub weight: F32s<S>,
-    /// … and the number of those that are not transparent, or whether there was one: 1.
-    pub number: F32s<S>,
-    /// The importance of the places of the run so far.
+    /// Its group, counted from 1; 0 where it is in none.
+    pub group: F32s<S>,
+    /// What runs without a group, and groups, add up to.
+    pub all: Sum<S>,
+    /// What the runs of the group add up to so far.
+    pub of_group: Sum<S>,
+    /// The importance of the places of the run so far …
     pub by_place: F32s<S>,
+    /// … and that of the places of the group's earlier runs.
+    pub group_by_place: F32s<S>,
     /// Lattice coordinate of the first hit among the runs …
     pub place: F32s<S>,
     /// … if there was one: 1.
     pub has_place: F32s<S>,
+}
+
+/// What runs add up to.
+#[derive(Clone, Copy)]
+pub struct Sum<S: Level> {
+    /// Premultiplied.
+    pub colour: Vec3s<S>,
+    /// Opacity.
+    pub alpha: F32s<S>,
+    /// What the rule remembers of them: the largest luminance, or the importance so far …
+    pub weight: F32s<S>,
+    /// … and the number of those that are not transparent, or whether there was one: 1.
+    pub number: F32s<S>,
 }
 
 /// A run of each ray that has ended.
@@ -46,11 +59,11 @@ impl<S: Level> Runs<S> {
         Runs {
             segment: F32s::zero(),
             technique: F32s::zero(),
-            colour: [F32s::zero(); 3],
-            alpha: F32s::zero(),
-            weight: F32s::zero(),
-            number: F32s::zero(),
+            group: F32s::zero(),
+            all: Sum::none(),
+            of_group: Sum::none(),
             by_place: F32s::zero(),
+            group_by_place: F32s::zero(),
             place: F32s::zero(),
             has_place: F32s::zero(),
         }
@@ -59,17 +72,103 @@ impl<S: Level> Runs<S> {
     /// Where nothing behind can be seen.
     #[inline(always)]
     pub fn are_complete(&self, segments: &SegmentNumbers) -> Mask<S> {
-        let passing = F32s::splat(1.0) - self.alpha;
+        let passing = F32s::splat(1.0) - self.all.alpha;
         match segments.rule {
             GlobalRule::EmissionAbsorption {
                 stop_at_transmittance,
             } => passing.lt(F32s::splat(stop_at_transmittance)) | passing.le(F32s::zero()),
             GlobalRule::Mip | GlobalRule::Average => Mask::none(),
-            GlobalRule::First => F32s::zero().lt(self.number),
+            GlobalRule::First => F32s::zero().lt(self.all.number),
             GlobalRule::ImportanceAware => {
                 let is_opaque = passing.lt(F32s::splat(1.0 / 256.0));
-                is_opaque & F32s::splat(segments.most_important).le(self.weight)
+                is_opaque & F32s::splat(segments.most_important).le(self.all.weight)
             }
+        }
+    }
+
+    /// Adds `run` of the rays `of` to what their groups add up to, or to all.
+    #[inline(always)]
+    pub fn add(&mut self, segments: &SegmentNumbers, of: Mask<S>, run: &Run<S>) {
+        if segments.groups.is_empty() {
+            return self.all.add(segments.rule, of, run);
+        }
+        self.all
+            .add(segments.rule, of & self.group.eq(F32s::zero()), run);
+        for (i, group) in segments.groups.iter().enumerate() {
+            let own = of & self.group.eq(F32s::splat(1.0 + i as f32));
+            if own.any() {
+                self.of_group.add(group.rule, own, run);
+                let most = self.group_by_place.max(self.by_place);
+                self.group_by_place = own.select(most, self.group_by_place);
+            }
+        }
+    }
+
+    /// Makes one sample of each group in which the rays `of` are, and adds it to all.
+    #[inline(never)]
+    pub fn end_groups(&mut self, segments: &SegmentNumbers, of: Mask<S>) {
+        vectorized::<S, _>(
+            #[inline(always)]
+            || {
+                for (i, group) in segments.groups.iter().enumerate() {
+                    let own = of & self.group.eq(F32s::splat(1.0 + i as f32));
+                    if !own.any() {
+                        continue;
+                    }
+                    let (colour, alpha) = self.of_group.pixel(group.rule);
+                    let opacity = F32s::splat(group.opacity);
+                    let sample = Run {
+                        colour: each!(colour, |c| c * opacity),
+                        alpha: alpha * opacity,
+                        importance: F32s::splat(group.importance) + self.group_by_place,
+                    };
+                    self.all.add(segments.rule, own, &sample);
+                    self.of_group = Sum::select(own, &Sum::none(), &self.of_group);
+                    self.group_by_place = own.select(F32s::zero(), self.group_by_place);
+                    self.group = own.select(F32s::zero(), self.group);
+                }
+            },
+        );
+    }
+
+    /// The opacity of all that rays have met.
+    #[inline(never)]
+    pub fn opacity(&self, segments: &SegmentNumbers) -> F32s<S> {
+        vectorized::<S, _>(
+            #[inline(always)]
+            || {
+                let one = F32s::splat(1.0);
+                let (_, all) = self.all.pixel(segments.rule);
+                let mut passing = one - all.min(one);
+                for (i, group) in segments.groups.iter().enumerate() {
+                    let own = self.group.eq(F32s::splat(1.0 + i as f32));
+                    let (_, of_group) = self.of_group.pixel(group.rule);
+                    passing = own.select(passing * (one - of_group.min(one)), passing);
+                }
+                one - passing
+            },
+        )
+    }
+}
+
+impl<S: Level> Sum<S> {
+    #[inline(always)]
+    pub fn none() -> Sum<S> {
+        Sum {
+            colour: [F32s::zero(); 3],
+            alpha: F32s::zero(),
+            weight: F32s::zero(),
+            number: F32s::zero(),
+        }
+    }
+
+    #[inline(always)]
+    fn select(mask: Mask<S>, yes: &Sum<S>, no: &Sum<S>) -> Sum<S> {
+        Sum {
+            colour: mask.select3(yes.colour, no.colour),
+            alpha: mask.select(yes.alpha, no.alpha),
+            weight: mask.select(yes.weight, no.weight),
+            number: mask.select(yes.number, no.number),
         }
     }
 
@@ -145,7 +244,7 @@ mod tests {
 
     /// The pixel of a red run that hides 0.4, a transparent one, and a brighter green one that hides 0.5.
     fn pixel(rule: GlobalRule, importances: [f32; 2]) -> [f32; 3] {
-        let mut runs = Runs::<Portable>::none();
+        let mut runs = Sum::<Portable>::none();
         for (colour, alpha, importance) in [
             ([0.4, 0.0, 0.0], 0.4, importances[0]),
             ([0.0; 3], 0.0, 9.0),

@@ -37,6 +37,9 @@ impl<S: Level> Packet<'_, S> {
                 if jumping.any() {
                     self.k = jumping.select((k + jump).min(rays.count), k);
                     self.skipped += self.k - k;
+                    if !segments.groups.is_empty() {
+                        self.runs.end_groups(segments, jumping);
+                    }
                     // Whatever comes next is a new run.
                     self.runs.segment = jumping.select(F32s::zero(), self.runs.segment);
                     live = live & self.k.lt(end);
@@ -70,11 +73,17 @@ impl<S: Level> Packet<'_, S> {
         self.end_runs(changed);
         self.runs.segment = changed.select(here, self.runs.segment);
         let segment = self.runs.segment.to_array();
+        if !segments.groups.is_empty() {
+            let group = F32s::from_array(lanes(|i| segments.group(segment[i])));
+            let left = changed & !group.eq(self.runs.group);
+            self.runs.end_groups(segments, left);
+            self.runs.group = left.select(group, self.runs.group);
+        }
         let technique = F32s::from_array(lanes(|i| segments.technique(segment[i])));
         let ended = changed & self.runs.are_complete(segments);
         let technique = ended.select(F32s::zero(), technique);
         self.runs.technique = changed.select(technique, self.runs.technique);
-        self.begin_runs(changed & !ended);
+        self.begin_runs(segments, changed & !ended);
         ended
     }
 
@@ -123,12 +132,15 @@ impl<S: Level> Packet<'_, S> {
 
     /// A new run for the rays `of`.
     #[inline(always)]
-    fn begin_runs(&mut self, of: Mask<S>) {
+    fn begin_runs(&mut self, segments: &SegmentNumbers, of: Mask<S>) {
         let last_normal = self.state.last_normal;
         for (i, object) in self.scenery.objects.iter().enumerate() {
             let own = of & self.runs.technique.eq(F32s::splat(1.0 + i as f32));
             if own.any() {
-                let start = with_rule!(object.composite, rule => rule.start());
+                let start = with_rule!(object.composite, rule => match rule.is_covered_by_ray() {
+                    true => rule.start_behind(self.runs.opacity(segments)),
+                    false => rule.start(),
+                });
                 self.state = State::select(own, &start, &self.state);
             }
         }
@@ -142,7 +154,10 @@ impl<S: Level> Packet<'_, S> {
     pub(super) fn end_last_runs(&mut self) -> Mask<S> {
         self.end_runs(!Mask::none());
         if let Some(segments) = &self.scenery.segments {
-            (self.state.colour, self.state.alpha) = self.runs.pixel(segments.rule);
+            if !segments.groups.is_empty() {
+                self.runs.end_groups(segments, !Mask::none());
+            }
+            (self.state.colour, self.state.alpha) = self.runs.all.pixel(segments.rule);
         }
         self.state.place = self.runs.place;
         F32s::zero().lt(self.runs.has_place)
@@ -204,7 +219,7 @@ impl<S: Level> Packet<'_, S> {
             alpha,
             importance,
         };
-        runs.add(segments.rule, of, &ended);
+        runs.add(segments, of, &ended);
         self.state.last_normal = of.select3(run.last_normal, self.state.last_normal);
     }
 }

@@ -89,9 +89,14 @@ impl Builder<'_> {
                 .input("technique", "samples.technique"),
         );
         self.put(
+            pattern("entered", "entered")
+                .input("runs", "closed")
+                .input("segment", "here.segment"),
+        );
+        self.put(
             pattern("technique_of_new", "technique_of_new_run")
                 .input("segment", "here.segment")
-                .input("runs", "closed"),
+                .input("runs", "entered"),
         );
         self.put(
             Node::new("run", Kind::If)
@@ -102,7 +107,7 @@ impl Builder<'_> {
                 .input("else.state", "samples.state")
                 .input("then.by_place", 0.0)
                 .input("else.by_place", "samples.by_place")
-                .input("then.runs", "closed")
+                .input("then.runs", "entered")
                 .input("else.runs", "samples.runs"),
         );
         self.put(

@@ -120,7 +120,10 @@ impl<'p> Reads<'p> {
         let is_surface = matches!(self.technique.composite, Composite::FirstHit { .. });
         // A surface is opaque, whatever the gradient makes of its opacity.
         let fades = matches!(self.technique.shade, Shade::GradientOpacity { .. });
-        let is_classified = matches!(self.technique.classify, Classify::GradientTable { .. });
+        let is_classified = matches!(
+            self.technique.classify,
+            Classify::GradientTable { .. } | Classify::ValueGradient { .. }
+        );
         self.is_open
             || (self.called.contains("gradient") && !(is_surface && fades && !is_classified))
     }

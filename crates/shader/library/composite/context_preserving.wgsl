@@ -20,6 +20,9 @@ struct Params {
     /// The ray ends when less than this share of light still passes; 0 never ends it.
     /// default 0.00390625, range 0 to 1
     stop_at_transmittance: f32,
+    /// What covers a place: 0 what lies before it in its segment, 1 all that lies before it on the ray.
+    /// default 0, range 0 to 1
+    covered_by: u32,
 }
 
 struct State {
@@ -49,7 +52,8 @@ fn composite_add(state: State, sample: Sample) -> State {
     let steepness = clamp(magnitude(gradient(sample.position)) / params.full_per_mm, 0.0, 1.0);
     let way = distance_mm(sample.lattice_point) - params.nearest_mm;
     let far = clamp(way / (params.farthest_mm - params.nearest_mm), 0.0, 1.0);
-    let cut = params.cut_depth * light * (1.0 - far) * (1.0 - state.alpha);
+    let before = select(0.0, covered(), params.covered_by == 1u);
+    let cut = params.cut_depth * light * (1.0 - far) * (1.0 - state.alpha) * (1.0 - before);
     let kept = power(steepness, power(cut, params.cut_sharpness));
     let share = (1.0 - state.alpha) * opacity_of_step(lit.opacity * kept);
     return State(state.color + share * surface.color * lit.color, state.alpha + share);

@@ -108,8 +108,9 @@ fn every_pair_of_functions_links_to_a_valid_program() {
                 } else {
                     vec![a.clone(), b.clone()]
                 };
-                let circle = a.name() == "opacity" && b.name() == "gradient_table"
-                    || b.name() == "opacity" && a.name() == "gradient_table";
+                let by_gradient = ["gradient_table", "value_gradient"];
+                let circle = a.name() == "opacity" && by_gradient.contains(&b.name())
+                    || b.name() == "opacity" && by_gradient.contains(&a.name());
                 let needs_one = [a, b].iter().any(|module| {
                     module.slot().name == "composite" && !module.needs().contains(&"look")
                 });

@@ -3,7 +3,6 @@
 mod examples;
 mod graph;
 mod library;
-mod made_again;
 mod session;
 mod slicing;
 

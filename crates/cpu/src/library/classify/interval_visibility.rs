@@ -34,9 +34,10 @@ impl IntervalVisibility {
     #[inline(always)]
     pub fn any<S: Level>(&self, lo: F32s<S>, hi: F32s<S>) -> Mask<S> {
         match self.classify {
-            Classify::Table | Classify::GradientTable { .. } | Classify::PreClassified => {
-                self.any_entry(lo, hi)
-            }
+            Classify::Table
+            | Classify::GradientTable { .. }
+            | Classify::ValueGradient { .. }
+            | Classify::PreClassified => self.any_entry(lo, hi),
             Classify::Identity { black, white } => grey(lo, hi, black, white),
             Classify::Threshold {
                 threshold,

@@ -1,11 +1,13 @@
 use super::surface::Surface;
-use crate::lanes::{F32s, I32s, Mask, row_pairs, words};
+use crate::lanes::{F32s, I32s, LANES, Mask, row_pairs, words};
 use crate::levels::{Level, inlined, vectorized};
 use strahl_scene::transfer::TransferTable;
 
 /// A one-dimensional transfer function: the same arithmetic as [`TransferTable::at`], per lane.
 pub struct Table<'p> {
     entries: &'p [[f32; 4]],
+    /// Of a function of value and gradient magnitude.
+    rows: &'p [[f32; 4]],
     /// Of the entries: what is asked for alone takes a quarter of the memory.
     opacities: Vec<f32>,
     lo: f32,
@@ -21,6 +23,7 @@ impl<'p> Table<'p> {
         let last = (table.entries().len() - 1) as f32;
         Table {
             entries: table.entries(),
+            rows: table.rows(),
             opacities: table.entries().iter().map(|entry| entry[3]).collect(),
             lo,
             entries_per_value: last / (hi - lo),
@@ -69,6 +72,44 @@ impl<'p> Table<'p> {
         )
     }
 
+    /// Colour and opacity of a value and the gradient magnitude that has the `share` of the last row's, where `asked`; nothing
+    /// elsewhere. Entries count by their opacity.
+    #[inline(never)]
+    pub fn at_2d<S: Level>(&self, value: F32s<S>, share: F32s<S>, asked: Mask<S>) -> Surface<S> {
+        let columns = self.entries.len();
+        let last_row = self.rows.len() / columns - 1;
+        let last = F32s::splat(last_row as f32);
+        let row = (share * last).max(F32s::zero()).min(last).to_array();
+        let (column, part) = self.place(value);
+        let (column, part) = (column.to_array(), part.to_array());
+        let asked = asked.select(F32s::splat(1.0), F32s::zero()).to_array();
+        let mut found = [[0.0f32; LANES]; 4];
+        for i in (0..LANES).filter(|i| asked[*i] > 0.0) {
+            let (x, y) = (column[i] as usize, (row[i] as usize).min(last_row - 1));
+            let (right, down) = (part[i], row[i] - y as f32);
+            let mut sum = [0.0f32; 4];
+            for corner in 0..4 {
+                let side = [1.0 - right, right][corner & 1] * [1.0 - down, down][corner >> 1];
+                let [r, g, b, a] = self.rows[(y + (corner >> 1)) * columns + x + (corner & 1)];
+                let weight = side * a;
+                for (sum, own) in sum.iter_mut().zip([r, g, b, 1.0]) {
+                    *sum += weight * own;
+                }
+            }
+            let [r, g, b, a] = sum;
+            if a > 0.0 {
+                for (found, own) in found.iter_mut().zip([r / a, g / a, b / a, a]) {
+                    found[i] = own;
+                }
+            }
+        }
+        let [r, g, b, a] = found.map(F32s::from_array);
+        Surface {
+            colour: [r, g, b],
+            opacity: a,
+        }
+    }
+
     /// The opacity of `value` alone.
     #[inline(always)]
     pub fn opacity_at<S: Level>(&self, value: F32s<S>) -> F32s<S> {
@@ -89,7 +130,6 @@ impl<'p> Table<'p> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lanes::LANES;
     use crate::levels::Portable;
     use proptest::prelude::*;
 

@@ -19,21 +19,22 @@ pub struct ContextPreserving {
     pub nearest_mm: f32,
     pub farthest_mm: f32,
     pub stop_at_transmittance: f32,
+    pub covered_by: u32,
 }
 
 impl ContextPreserving {
     /// What is kept of the opacity of a surface of this steepness, 0 to 1, in this light: equation 4 of the paper. `far` is
-    /// 0 for the nearest place and 1 for the farthest, `alpha` the opacity of what lies before it.
+    /// 0 for the nearest place and 1 for the farthest, `passing` the share of light that comes through what lies before it.
     #[inline(always)]
     fn kept<S: Level>(
         &self,
         steepness: F32s<S>,
         light: F32s<S>,
         far: F32s<S>,
-        alpha: F32s<S>,
+        passing: F32s<S>,
     ) -> F32s<S> {
         let one = F32s::splat(1.0);
-        let cut = F32s::splat(self.cut_depth) * light * (one - far) * (one - alpha);
+        let cut = F32s::splat(self.cut_depth) * light * (one - far) * passing;
         powers_of_share(steepness, power(cut, self.cut_sharpness))
     }
 
@@ -44,7 +45,7 @@ impl ContextPreserving {
         sample: &Sample<S>,
         surface: Surface<S>,
         visible: Mask<S>,
-        alpha: F32s<S>,
+        passing: F32s<S>,
         last_normal: &mut Vec3s<S>,
     ) -> Surface<S> {
         vectorized::<S, _>(
@@ -69,7 +70,7 @@ impl ContextPreserving {
                     steepness.max(zero).min(one),
                     light,
                     far.max(zero).min(one),
-                    alpha,
+                    passing,
                 );
                 Surface {
                     colour: each!([0, 1, 2], |c| surface.colour[c] * lit.colour[c]),
@@ -80,7 +81,21 @@ impl ContextPreserving {
     }
 }
 
+/// Of a [`State`] it uses `colour` and `alpha`, and `value`, the opacity of what lies before the run.
 impl Rule for ContextPreserving {
+    #[inline(always)]
+    fn is_covered_by_ray(&self) -> bool {
+        self.covered_by == 1
+    }
+
+    #[inline(always)]
+    fn start_behind<S: Level>(&self, opacity: F32s<S>) -> State<S> {
+        State {
+            value: opacity,
+            ..State::start(0.0)
+        }
+    }
+
     #[inline(always)]
     fn add<S: Level>(&self, state: &mut State<S>, sample: &Sample<S>) -> Mask<S> {
         let object = sample.crossing.object;
@@ -88,8 +103,10 @@ impl Rule for ContextPreserving {
         let visible = sample.sampled & F32s::zero().lt(surface.opacity);
         if visible.any() {
             let mut normal = state.last_normal;
+            let one = F32s::splat(1.0);
+            let passing = (one - state.alpha) * (one - state.value);
             let Surface { colour, opacity } =
-                self.look(sample, surface, visible, state.alpha, &mut normal);
+                self.look(sample, surface, visible, passing, &mut normal);
             state.last_normal = normal;
             emission_absorption::add(state, visible, colour, opacity);
         }
@@ -119,9 +136,10 @@ mod tests {
             nearest_mm: 0.0,
             farthest_mm: 1.0,
             stop_at_transmittance: 0.0,
+            covered_by: 0,
         };
         let all = F32s::<Portable>::splat;
-        rule.kept(all(steepness), all(light), all(far), all(alpha))
+        rule.kept(all(steepness), all(light), all(far), all(1.0 - alpha))
             .lane(0)
     }
 

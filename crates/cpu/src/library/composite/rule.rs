@@ -31,6 +31,18 @@ pub trait Rule: Copy {
         State::start(0.0)
     }
 
+    /// Whether it asks how opaque all is that lies before a run of segments.
+    #[inline(always)]
+    fn is_covered_by_ray(&self) -> bool {
+        false
+    }
+
+    /// Runs without samples, of which something of this opacity lies before each.
+    #[inline(always)]
+    fn start_behind<S: Level>(&self, _opacity: F32s<S>) -> State<S> {
+        self.start()
+    }
+
     /// Adds a sample of the rays that it was taken of; says of which of them it showed something.
     fn add<S: Level>(&self, state: &mut State<S>, sample: &Sample<S>) -> Mask<S>;
 

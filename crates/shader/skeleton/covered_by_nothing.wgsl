@@ -1,0 +1,4 @@
+// There is one run.
+fn covered() -> f32 {
+    return 0.0;
+}
