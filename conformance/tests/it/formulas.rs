@@ -51,7 +51,7 @@ fn gmip_is_the_largest_gradient() {
 }
 
 /// S. Bruckner and E. Gröller 2009, equations 3 to 5, over known samples: what lies in front fades where the ray meets a
-/// larger value, by the rise; γ from −1, where nothing fades, to 0.
+/// larger value, by the rise; γ from −1, where nothing fades, to 0. Above 0 the sum fades to the largest value.
 #[test]
 fn mida_is_the_sum_of_the_paper() {
     let numbers = [20.0f32, 60.0, 10.0, 90.0, 90.0, 50.0, 140.0, 30.0];
@@ -61,7 +61,7 @@ fn mida_is_the_sum_of_the_paper() {
         [v, 1.0 - v, v * v, 0.2 + 0.3 * v]
     });
     let table = TransferTable::new([0.0, 200.0], 1.0, entries.collect());
-    for blend in [-1.0f32, -0.6, 0.0] {
+    for blend in [-1.0f32, -0.6, 0.0, 0.4, 1.0] {
         let mut plan = down(&volume, table.clone());
         plan.technique_mut().composite = Composite::Mida {
             low: 0.0,
@@ -69,19 +69,26 @@ fn mida_is_the_sum_of_the_paper() {
             blend,
             stop_at_transmittance: 0.0,
         };
+        let look = |number: f64| {
+            let v = number / 200.0;
+            (DVec3::new(v, 1.0 - v, v * v), 0.2 + 0.3 * v)
+        };
+        let blend = f64::from(blend);
         let (mut color, mut alpha, mut largest) = (DVec3::ZERO, 0.0f64, 0.0f64);
         for number in numbers.map(f64::from) {
             let share = number / 150.0;
             let rise = (share - largest).max(0.0);
             largest = largest.max(share);
             // β = 1 − δ·(1 + γ).
-            let kept = 1.0 - rise * (1.0 + f64::from(blend));
-            let v = number / 200.0;
-            let opacity = 0.2 + 0.3 * v;
-            let own = DVec3::new(v, 1.0 - v, v * v);
+            let kept = 1.0 - rise * (1.0 + blend.min(0.0));
+            let (own, opacity) = look(number);
             color = kept * color + (1.0 - kept * alpha) * opacity * own;
             alpha = kept * alpha + (1.0 - kept * alpha) * opacity;
         }
+        let (own, opacity) = look(140.0);
+        let maximum = blend.max(0.0);
+        color = (1.0 - maximum) * color + maximum * opacity * own;
+        alpha = (1.0 - maximum) * alpha + maximum * opacity;
         for (renderer, _, _, pixel) in draw(&volume, &plan) {
             for (c, expected) in color.to_array().into_iter().chain([alpha]).enumerate() {
                 near(

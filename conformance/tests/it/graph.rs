@@ -40,7 +40,12 @@ fn the_standard_graph_is_the_picture_of_the_settings() {
     let Some(device) = device() else { return };
     let volume: &'static _ = Box::leak(Box::new(Phantom::Tree.volume([40, 36, 44]).unwrap()));
     let mut compared = 0;
-    for variant in &gallery() {
+    let to_maximum = (
+        "composite",
+        "mida to the maximum",
+        r#""method": "mida", "blend": 0.5"#.into(),
+    );
+    for variant in gallery().iter().chain([&to_maximum]) {
         let text = scene(variant, [80, 64]);
         let plan = resolve(
             &Scene::parse("scene", &text).unwrap(),

@@ -114,8 +114,8 @@ fn what_does_not_go_together_is_refused_by_name() {
             r#"techniques.t.method is "back-to-front", which makes no sample of a run"#,
         ),
         (
-            r#"{ "techniques": { "t": { "blend": 0.5, "method": "mida" } }, "segments": [{ "of": 1, "technique": "t" }] }"#,
-            "techniques.t.blend is 0.5",
+            r#"{ "techniques": { "t": { "blend": 1.5, "method": "mida" } }, "segments": [{ "of": 1, "technique": "t" }] }"#,
+            "techniques.t.blend is 1.5",
         ),
         (
             r#"{ "techniques": { "t": { "functions": { "gradient": { "module": "sobel" } } } }, "segments": [{ "of": 1, "technique": "t" }] }"#,

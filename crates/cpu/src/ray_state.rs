@@ -8,7 +8,7 @@
 /// | composite | fields |
 /// |---|---|
 /// | emission–absorption, `back_to_front` | `color`, `alpha` |
-/// | `mida` | `color`, `alpha`, `value` |
+/// | `mida` | `color`, `alpha`, `value`; with a `blend` above 0 also `place`, and in `number` the value there |
 /// | `mip`, `minip` | `value`, `place`, `number` |
 /// | `average` | `value`, `lost`, `number`, `place` |
 /// | `gmip` | `value`, `number` |

@@ -411,7 +411,18 @@ impl<'g> Checker<'g> {
         }
         Err(match nearest(name, self.by_name.keys().copied()) {
             Some(near) => format!("there is no node `{name}`; did you mean `{near}`?"),
-            None => format!("there is no node `{name}`"),
+            None => {
+                let anchors = self.by_name.keys().filter(|n| n.starts_with("after_"));
+                let mut anchors: Vec<_> = anchors.map(|anchor| format!("`{anchor}`")).collect();
+                anchors.sort();
+                match anchors.is_empty() {
+                    true => format!("there is no node `{name}`"),
+                    false => format!(
+                        "there is no node `{name}`; which nodes there are depends on the settings (method, shading, …), but always there are {}",
+                        anchors.join(", ")
+                    ),
+                }
+            }
         })
     }
 

@@ -4,7 +4,7 @@ use crate::error::Problem;
 use crate::functions::{self, Patterns, nearest};
 use crate::group::unfolded;
 use crate::model::{CarriedVariable, Constant, Graph, Input, Kind, Node, Reference};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 /// A list of commands with a name.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -164,6 +164,7 @@ pub fn edited(
         problems: Vec::new(),
         conflicts: Vec::new(),
         written: HashMap::new(),
+        touched: HashSet::new(),
         list: 0,
         lists,
     };
@@ -171,6 +172,7 @@ pub fn edited(
         editor.list = i;
         for (j, command) in list.commands.iter().enumerate() {
             editor.carry_out(command, &format!("edits.{}.commands[{j}]", list.name));
+            editor.follow_edit();
         }
     }
     if !editor.problems.is_empty() {
@@ -189,6 +191,8 @@ struct Editor<'e> {
     conflicts: Vec<Problem>,
     /// What has been written: by which list, and where that says so.
     written: HashMap<String, (usize, String)>,
+    /// Nodes whose results the command may change.
+    touched: HashSet<String>,
     list: usize,
     lists: &'e [EditList],
 }
@@ -425,6 +429,7 @@ impl Editor<'_> {
     }
 
     fn connect(&mut self, to: &str, from: Input, place: &str) {
+        self.touch(to);
         let done = self.input(to).and_then(|mut target| target.set(from));
         match done {
             Ok(()) => {
@@ -484,6 +489,7 @@ impl Editor<'_> {
         if let Some(output) = output {
             from.path.extend(output.split('.').map(str::to_owned));
         }
+        self.touch(into);
         // Both ends, without a word about a conflict: lists may insert at one place one after the other.
         let read = self
             .input(&format!("{node}.{input}"))
@@ -536,6 +542,7 @@ impl Editor<'_> {
                 })
                 .collect(),
         };
+        own.iter().for_each(|name| self.touch(name));
         let mut problems = Vec::new();
         let mut has_reader = false;
         self.graph.for_each_reference_mut(|at, reference| {
@@ -630,26 +637,103 @@ impl Editor<'_> {
                     .collect()
             }
         };
+        if let (Replacement::One(reference), "classify") = (by, name)
+            && let Err(why) = self.is_surface(reference)
+        {
+            self.wrong(format!("{place}.by"), why);
+            return;
+        }
         for (to, from) in ends {
             self.connect(&to, from, place);
         }
-        if matches!(name, "sample" | "classify") {
+    }
+
+    /// Checks that what replaces the classification is one value.
+    fn is_surface(&self, reference: &Reference) -> Result<(), String> {
+        let Some(node) = self.graph.node(&reference.node) else {
+            return Ok(());
+        };
+        let function = match &node.kind {
+            Kind::Pattern(name) => self.patterns.function(name),
+            Kind::Wgsl(source) => functions::of_wgsl(&node.name, &node.name, source),
+            _ => return Ok(()),
+        };
+        // What is wrong with it is found where it is compiled.
+        let Ok(function) = function else {
+            return Ok(());
+        };
+        let outputs: Vec<_> = function
+            .outputs
+            .iter()
+            .map(|port| port.name.as_str())
+            .collect();
+        if outputs.len() < 2 || !reference.path.is_empty() {
+            return Ok(());
+        }
+        Err(format!(
+            "`{}` has the outputs {}, but the stage classify needs a single Surface: let the function return `-> Surface`, made by `Surface(color, opacity)`",
+            node.name,
+            outputs.join(", ")
+        ))
+    }
+
+    /// Remembers that what the node of `to` computes may change.
+    fn touch(&mut self, to: &str) {
+        let name = to.split('.').next().unwrap_or(to);
+        self.touched.insert(name.to_owned());
+    }
+
+    /// Computes every sample if the command may show some that the scene's transfer function and clips do not.
+    fn follow_edit(&mut self) {
+        let touched = std::mem::take(&mut self.touched);
+        if !touched.is_empty() && self.skips() && self.decide_what_is_seen(&touched) {
             self.stop_skipping();
         }
     }
 
+    fn skips(&self) -> bool {
+        let reads_map = |input: &Input| matches!(input, Input::From(_));
+        let mut nodes = self.graph.nodes.iter().filter(|node| skips(node));
+        nodes.any(|node| node.reads("empty").is_some_and(reads_map))
+    }
+
+    /// Whether one of the nodes `names` decides where a ray runs, and how opaque a sample of it is.
+    fn decide_what_is_seen(&self, names: &HashSet<String>) -> bool {
+        let ends = [
+            "after_clip_ray",
+            "after_clip_sample",
+            "after_sample",
+            "after_classify",
+            "after_shade_opacity",
+        ];
+        let nodes = self.graph.nodes.iter();
+        let by_name: HashMap<_, _> = nodes.map(|node| (node.name.as_str(), node)).collect();
+        // Each of several objects has such an anchor, and so has each unfolded group.
+        let is_end = |name: &&str| ends.iter().any(|end| name.contains(end));
+        let mut open: Vec<&str> = by_name.keys().copied().filter(is_end).collect();
+        let mut seen: HashSet<&str> = HashSet::new();
+        while let Some(name) = open.pop() {
+            if !seen.insert(name) {
+                continue;
+            }
+            if names.contains(name) {
+                return true;
+            }
+            // A variable of a loop holds what earlier samples have left, not what this one is.
+            let inputs = by_name.get(name).into_iter().flat_map(|node| &node.inputs);
+            open.extend(inputs.filter_map(|(_, input)| match input {
+                Input::From(reference) => Some(reference.node.as_str()),
+                Input::Constant(_) => None,
+            }));
+        }
+        false
+    }
+
     /// What is empty is known for the scene's transfer function at the places of the lattice only.
     fn stop_skipping(&mut self) {
-        for node in &mut self.graph.nodes {
-            let skips = match &node.kind {
-                Kind::Pattern(pattern) => pattern == "is_seen" || pattern == "advance",
-                _ => false,
-            };
-            for (_, input) in node
-                .inputs
-                .iter_mut()
-                .filter(|(name, _)| skips && name == "empty")
-            {
+        for node in self.graph.nodes.iter_mut().filter(|node| skips(node)) {
+            let maps = node.inputs.iter_mut().filter(|(name, _)| name == "empty");
+            for (_, input) in maps {
                 *input = Input::Constant(Constant::Numbers(vec![0.0]));
             }
         }
@@ -695,8 +779,14 @@ impl Editor<'_> {
                 None => node.params.push((parameter.to_owned(), value.to_vec())),
             },
         }
+        self.touch(name);
         self.write(to, place);
     }
+}
+
+/// Whether a node leaves samples out by the map of empty space.
+fn skips(node: &Node) -> bool {
+    matches!(&node.kind, Kind::Pattern(pattern) if pattern == "is_seen" || pattern == "advance")
 }
 
 /// An input that an edit names.

@@ -70,7 +70,7 @@ pub fn standard(plan: &Plan) -> Result<Graph, Error> {
     match plan.technique().composite {
         Composite::EmissionAbsorption { .. } => graph.emission_absorption(false),
         Composite::BackToFront => graph.emission_absorption(true),
-        Composite::Mida { .. } => graph.mida(),
+        Composite::Mida { blend, .. } if blend <= 0.0 => graph.mida(),
         Composite::Mip => graph.extreme("larger"),
         Composite::Minip => graph.extreme("smaller"),
         Composite::Average => graph.average(),

@@ -7,8 +7,8 @@ use strahl_scene::plan::{
 };
 use strahl_shader::registry::Function;
 use strahl_shader::{
-    Error, Fold, Module, Parameter, Program, Selection, Slot, TECHNIQUE_SLOTS, TechniqueTexels,
-    built_in, slot,
+    Error, Fold, MOST_MASKS, Module, Parameter, Program, Selection, Slot, TECHNIQUE_SLOTS,
+    TechniqueTexels, built_in, slot,
 };
 
 /// The functions of a Plan, and the values of their parameters.
@@ -102,7 +102,7 @@ impl Functions {
     /// `mask_threshold` what a threshold of mask number n is in the numbers of its texture.
     ///
     /// # Errors
-    /// If the Plan samples by another rule than the regular one.
+    /// If the Plan samples by another rule than the regular one, or has more masks than programs have.
     pub fn of(
         plan: &Plan,
         is_filtered: bool,
@@ -215,6 +215,16 @@ impl Functions {
             }
             Jitter::SineHash => self.put("jitter", "sine_hash", vec![])?,
             Jitter::WhiteTile(_) | Jitter::BlueTile(_) => self.put("jitter", "tile", vec![])?,
+        }
+        let masks = plan.sample_clips.iter().map(|clip| match clip.shape {
+            ClipShape::Mask { mask, .. } => mask + 1,
+            _ => 0,
+        });
+        let of_importance = plan.importance.iter().map(|importance| importance.mask + 1);
+        let number = masks.chain(of_importance).max().unwrap_or(0);
+        if number > MOST_MASKS {
+            let most = MOST_MASKS;
+            return Err(Error::Masks { number, most });
         }
         for clip in &plan.sample_clips {
             let m = clip.unit_from_world;

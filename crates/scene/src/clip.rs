@@ -1,5 +1,7 @@
 //! Planes, boxes, masks and the like that cut parts away, as people write them.
 
+use crate::object::{OWN_VOLUME, WORLD};
+use crate::places::PlacedFrame;
 use crate::plan::{ALL_LAYERS, ClipPlane, ClipShape, LayerSet, MOST_MASKS, SampleClip};
 use crate::problem::{Checker, Problems, Within};
 use glam::{DAffine3, DMat3, DQuat, DVec3, EulerRot};
@@ -38,6 +40,10 @@ pub struct PlaneClip {
     /// Instead of a point: distance of the plane from the world origin along the normal.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub distance_mm: Option<f64>,
+    /// Frame of the plane: `world` (default), or the name of an object that it moves with. Its numbers are then mm of
+    /// the object before its transforms.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub frame: Option<String>,
     /// Names of the objects that are cut; default all. `volume` is the scene's own volume.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub objects: Option<Vec<String>>,
@@ -61,6 +67,11 @@ pub struct BoxClip {
     /// What is kept; default `inside`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub keep: Option<KeptSide>,
+    /// Frame of the box: `world`, or the name of an object that it moves with. Corners in `world` space are then mm of
+    /// the object before its transforms. Default in `world` space: `world`; in `voxels` and `fraction`: the object in
+    /// `objects` if that is a single one, else the scene's own volume.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub frame: Option<String>,
     /// Names of the objects that are cut; default all. `volume` is the scene's own volume.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub objects: Option<Vec<String>>,
@@ -83,6 +94,10 @@ pub struct MaskClip {
     /// What is kept; default `inside`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub keep: Option<KeptSide>,
+    /// Frame of the mask: `world` (default), or the name of an object that it moves with. The file then lies in mm of
+    /// the object before its transforms.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub frame: Option<String>,
     /// Names of the objects that are cut; default all. `volume` is the scene's own volume.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub objects: Option<Vec<String>>,
@@ -130,6 +145,8 @@ pub enum KeptSide {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct SettledClip {
     pub shape: SettledShape,
+    /// Name of its frame.
+    pub frame: String,
     /// `None`: all.
     pub objects: Option<Vec<String>>,
 }
@@ -190,8 +207,8 @@ const DEFAULT_THRESHOLD: f64 = 0.5;
 
 /// What a clip needs to know of the scene around it.
 pub(crate) struct ClipPlaces<'c> {
-    /// Of the scene's own volume, that boxes may count in.
-    pub grid: &'c Grid,
+    /// Frames that clips may have, that of the scene's own volume first.
+    pub frames: &'c [PlacedFrame],
     /// Of each mask, in the order of the clips.
     pub masks: &'c [Grid],
     /// Of each layer, in the order of the Plan, `None` for nameless ones.
@@ -216,35 +233,72 @@ impl Clip {
         }
     }
 
-    /// The clip that this means beside a volume on `grid`; keys that do not go together are problems.
-    pub(crate) fn settled(&self, grid: &Grid, path: &str, checker: &mut Checker) -> SettledClip {
-        let (shape, objects) = match self {
+    /// The clip that this means beside these frames, of which the first is that of the scene's own volume. Keys that
+    /// exclude each other are problems.
+    pub(crate) fn settled(
+        &self,
+        frames: &[PlacedFrame],
+        path: &str,
+        checker: &mut Checker,
+    ) -> SettledClip {
+        let (shape, frame, objects) = match self {
             Clip::Plane(plane) => {
-                let place = plane.place(grid, path, checker);
+                let frame = plane.frame.as_deref().unwrap_or(WORLD);
+                let place = plane.place(&centre_in(frames, frame), path, checker);
                 let normal = plane.normal;
-                (SettledShape::Plane { normal, place }, &plane.objects)
+                let shape = SettledShape::Plane { normal, place };
+                (shape, frame, &plane.objects)
             }
-            Clip::Box(clip) => (SettledShape::Box(clip.settled()), &clip.objects),
-            Clip::Ellipsoid(clip) => (SettledShape::Ellipsoid(clip.settled()), &clip.objects),
-            Clip::Cylinder(clip) => (SettledShape::Cylinder(clip.settled()), &clip.objects),
+            Clip::Box(clip) => (
+                SettledShape::Box(clip.settled()),
+                clip.frame(),
+                &clip.objects,
+            ),
+            Clip::Ellipsoid(clip) => (
+                SettledShape::Ellipsoid(clip.settled()),
+                clip.frame(),
+                &clip.objects,
+            ),
+            Clip::Cylinder(clip) => (
+                SettledShape::Cylinder(clip.settled()),
+                clip.frame(),
+                &clip.objects,
+            ),
             Clip::Mask(mask) => {
                 let shape = SettledShape::Mask {
                     path: mask.path.clone(),
                     inside: mask.inside(path, checker),
                     keep: mask.keep.unwrap_or(KeptSide::Inside),
                 };
-                (shape, &mask.objects)
+                let frame = mask.frame.as_deref().unwrap_or(WORLD);
+                (shape, frame, &mask.objects)
             }
         };
         SettledClip {
             shape,
+            frame: frame.to_owned(),
             objects: objects.clone(),
         }
     }
 }
 
+/// The center of the volume of a frame, in mm of the frame; of the scene's own volume if the frame has none.
+fn centre_in(frames: &[PlacedFrame], frame: &str) -> DVec3 {
+    let found = frames.iter().find(|known| known.name == frame);
+    let shows = found
+        .filter(|frame| frame.grid.is_some())
+        .or(frames.first());
+    let centre = shows.and_then(|frame| Some(frame.grid?.centre_mm()));
+    let world_from_object = found.map_or(DAffine3::IDENTITY, |frame| frame.world_from_object);
+    let centre = centre.unwrap_or(DVec3::ZERO);
+    match world_from_object == DAffine3::IDENTITY {
+        true => centre,
+        false => world_from_object.inverse().transform_point3(centre),
+    }
+}
+
 impl PlaneClip {
-    fn place(&self, grid: &Grid, path: &str, checker: &mut Checker) -> PlanePlace {
+    fn place(&self, centre: &DVec3, path: &str, checker: &mut Checker) -> PlanePlace {
         if let (Some(_), Some(distance)) = (self.point, self.distance_mm) {
             checker.add(
                 format!("{path}.plane.distance_mm"),
@@ -254,12 +308,21 @@ impl PlaneClip {
         }
         match (self.point, self.distance_mm) {
             (None, Some(distance_mm)) => PlanePlace::DistanceMm(distance_mm),
-            (point, _) => PlanePlace::Point(point.unwrap_or_else(|| grid.centre_mm().to_array())),
+            (point, _) => PlanePlace::Point(point.unwrap_or(centre.to_array())),
         }
     }
 }
 
 impl BoxClip {
+    fn frame(&self) -> &str {
+        match (&self.frame, &self.space, self.objects.as_deref()) {
+            (Some(frame), ..) => frame,
+            (None, None | Some(BoxSpace::World), _) => WORLD,
+            (None, _, Some([cut])) => cut,
+            (None, ..) => OWN_VOLUME,
+        }
+    }
+
     fn settled(&self) -> SettledBox {
         SettledBox {
             min: self.min,
@@ -275,7 +338,9 @@ impl SettledClip {
     /// As a scene says it.
     pub fn scene(&self) -> Clip {
         let objects = self.objects.clone();
+        let frame = Some(self.frame.clone());
         let of_box = |clip: &SettledBox| BoxClip {
+            frame: frame.clone(),
             min: clip.min,
             max: clip.max,
             space: Some(clip.space),
@@ -293,6 +358,7 @@ impl SettledClip {
                     normal: *normal,
                     point,
                     distance_mm,
+                    frame,
                     objects,
                 })
             }
@@ -309,10 +375,34 @@ impl SettledClip {
                     threshold,
                     labels,
                     keep: Some(*keep),
+                    frame,
                     objects,
                 })
             }
         }
+    }
+
+    /// The place of its frame, and the grid of its volume. `path` is that of the clip's own keys.
+    fn placed<'c>(
+        &self,
+        path: &str,
+        places: &'c ClipPlaces,
+        checker: &mut Checker,
+    ) -> Option<(DAffine3, Option<&'c Grid>)> {
+        if self.frame == WORLD {
+            return Some((DAffine3::IDENTITY, None));
+        }
+        let found = places.frames.iter().find(|frame| frame.name == self.frame);
+        if found.is_none() {
+            let names = places.frames.iter().map(|frame| frame.name.as_str());
+            let names: Vec<&str> = std::iter::once(WORLD).chain(names).collect();
+            checker.add(
+                format!("{path}.frame"),
+                format!("{:?}", self.frame),
+                &names.join(", "),
+            );
+        }
+        found.map(|frame| (frame.world_from_object, frame.grid.as_ref()))
     }
 
     /// Adds the clip to a plan's. A box that keeps its inside is convex: it becomes six planes, so that rays start at
@@ -329,9 +419,12 @@ impl SettledClip {
                 let path = format!("{path}.plane");
                 let layers = layers(&path, &self.objects, &places.names, checker);
                 let plane = plan_plane(*normal, *place, &path, checker);
-                clips
-                    .planes
-                    .extend(plane.map(|plane| ClipPlane { layers, ..plane }));
+                if let (Some((world_from_frame, _)), Some(plane)) =
+                    (self.placed(&path, places, checker), plane)
+                {
+                    let plane = ClipPlane { layers, ..plane };
+                    clips.planes.push(moved_plane(plane, world_from_frame));
+                }
                 return;
             }
             SettledShape::Mask {
@@ -342,11 +435,16 @@ impl SettledClip {
                 let path = format!("{path}.mask");
                 let layers = layers(&path, &self.objects, &places.names, checker);
                 let clip = plan_mask(file, inside.threshold(), &path, places, checker, clips);
-                clips.shapes.extend(clip.map(|clip| SampleClip {
-                    keep_inside: *keep == KeptSide::Inside,
-                    layers,
-                    ..clip
-                }));
+                if let (Some((world_from_frame, _)), Some(clip)) =
+                    (self.placed(&path, places, checker), clip)
+                {
+                    clips.shapes.push(SampleClip {
+                        keep_inside: *keep == KeptSide::Inside,
+                        layers,
+                        unit_from_world: moved(clip.unit_from_world, world_from_frame),
+                        ..clip
+                    });
+                }
                 return;
             }
             SettledShape::Box(clip) => ("box", ClipShape::Box, clip),
@@ -355,7 +453,10 @@ impl SettledClip {
         };
         let path = format!("{path}.{kind}");
         let layers = layers(&path, &self.objects, &places.names, checker);
-        let Some(unit_from_world) = clip.plan(&path, places.grid, checker) else {
+        let Some((world_from_frame, grid)) = self.placed(&path, places, checker) else {
+            return;
+        };
+        let Some(unit_from_world) = clip.plan(&path, world_from_frame, grid, checker) else {
             return;
         };
         let keep_inside = clip.keep == KeptSide::Inside;
@@ -369,6 +470,29 @@ impl SettledClip {
                 layers,
             });
         }
+    }
+}
+
+/// A plane of a frame in the world.
+fn moved_plane(plane: ClipPlane, world_from_frame: DAffine3) -> ClipPlane {
+    if world_from_frame == DAffine3::IDENTITY {
+        return plane;
+    }
+    let frame_from_world = world_from_frame.inverse();
+    let normal = frame_from_world.matrix3.transpose() * plane.normal;
+    let offset_mm = plane.normal.dot(frame_from_world.translation) + plane.offset_mm;
+    ClipPlane {
+        normal: normal.normalize(),
+        offset_mm: offset_mm / normal.length(),
+        ..plane
+    }
+}
+
+/// From the world to a shape that lies in a frame.
+fn moved(unit_from_frame: DAffine3, world_from_frame: DAffine3) -> DAffine3 {
+    match world_from_frame == DAffine3::IDENTITY {
+        true => unit_from_frame,
+        false => unit_from_frame * world_from_frame.inverse(),
     }
 }
 
@@ -489,7 +613,7 @@ fn plan_mask(
         checker.add(
             path,
             "one mask more",
-            &format!("at most {MOST_MASKS} masks in one picture"),
+            &format!("at most {MOST_MASKS} masks in one picture; one mask can have several labels"),
         );
         return None;
     }
@@ -585,7 +709,14 @@ fn plan_plane(
 }
 
 impl SettledBox {
-    fn plan(&self, path: &str, grid: &Grid, checker: &mut Checker) -> Option<DAffine3> {
+    /// From the world to the unit cube of a box in a frame, whose volume has this grid.
+    fn plan(
+        &self,
+        path: &str,
+        world_from_frame: DAffine3,
+        grid: Option<&Grid>,
+        checker: &mut Checker,
+    ) -> Option<DAffine3> {
         let before = checker.problems.len();
         let good = checker.point(&format!("{path}.min"), self.min)
             & checker.point(&format!("{path}.max"), self.max);
@@ -612,6 +743,13 @@ impl SettledBox {
                 "[0, 0, 0] unless the box is in world space",
             );
         }
+        if self.space != BoxSpace::World && grid.is_none() {
+            checker.add(
+                format!("{path}.space"),
+                "in voxels, of which its frame has none",
+                "\"world\", or the name of an object with a volume as frame",
+            );
+        }
         if checker.problems.len() > before {
             return None;
         }
@@ -624,11 +762,11 @@ impl SettledBox {
         ));
         let space_from_unit =
             DAffine3::from_mat3_translation(turned * DMat3::from_diagonal(size), 0.5 * (min + max));
-        let (first, last) = grid.extent_in_voxels();
-        let world_from_space = match self.space {
-            BoxSpace::World => DAffine3::IDENTITY,
-            BoxSpace::Voxels => grid.world_from_voxel(),
-            BoxSpace::Fraction => {
+        let world_from_space = match (self.space, grid) {
+            (BoxSpace::World, _) | (_, None) => world_from_frame,
+            (BoxSpace::Voxels, Some(grid)) => grid.world_from_voxel(),
+            (BoxSpace::Fraction, Some(grid)) => {
+                let (first, last) = grid.extent_in_voxels();
                 grid.world_from_voxel()
                     * DAffine3::from_mat3_translation(DMat3::from_diagonal(last - first), first)
             }

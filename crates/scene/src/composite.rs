@@ -137,7 +137,7 @@ impl SettledComposite {
     fn check(&self, checker: &mut Checker) {
         let large = Within::Closed(-1e30, 1e30);
         checker.number("threshold", self.threshold, large);
-        checker.number("blend", self.blend, Within::Closed(-1.0, 0.0));
+        checker.number("blend", self.blend, Within::Closed(-1.0, 1.0));
         let [black, white] = self.grey_range;
         checker.number("grey_range[0]", black, large);
         checker.number("grey_range[1]", white, large);

@@ -73,6 +73,9 @@ pub struct Placement {
 /// The name of the scene's own volume.
 pub(crate) const OWN_VOLUME: &str = "volume";
 
+/// The frame of clips that move with no object.
+pub(crate) const WORLD: &str = "world";
+
 impl SceneObject {
     /// Whether it only moves others.
     pub fn is_group(&self) -> bool {
@@ -253,12 +256,12 @@ pub(crate) fn check(objects: &[SceneObject], checker: &mut Checker) {
     for (i, object) in objects.iter().enumerate() {
         let path = format!("objects[{i}]");
         if let Some(name) = &object.name
-            && (name.is_empty() || name == OWN_VOLUME || !names.insert(name))
+            && (name.is_empty() || name == OWN_VOLUME || name == WORLD || !names.insert(name))
         {
             checker.add(
                 format!("{path}.name"),
                 format!("{name:?}"),
-                "a name of its own; \"volume\" is the scene's own volume",
+                "a name of its own; \"volume\" is the scene's own volume, \"world\" the frame that no object moves",
             );
         }
         let kinds = [

@@ -14,6 +14,8 @@ pub(crate) struct Places {
     pub meshes: Vec<PlacedMesh>,
     /// A grid around everything: what the camera frames.
     pub framed: Grid,
+    /// Frames that clips may have: that of every object with a name.
+    pub frames: Vec<PlacedFrame>,
 }
 
 /// A volume that is drawn.
@@ -28,6 +30,14 @@ pub(crate) struct PlacedVolume {
     pub grid: Grid,
     /// Where the voxels of the level that is drawn lie.
     pub drawn: Grid,
+}
+
+/// The frame of an object, in which clips may lie.
+pub(crate) struct PlacedFrame {
+    pub name: String,
+    pub world_from_object: DAffine3,
+    /// Where the voxels of level 0 lie, if the object shows a volume.
+    pub grid: Option<Grid>,
 }
 
 /// A mesh that is drawn.
@@ -56,6 +66,7 @@ impl Places {
             }],
             meshes: Vec::new(),
             framed: own.grid,
+            frames: Vec::new(),
         };
         for (i, volume) in volume_indices(objects).into_iter().enumerate() {
             if let Some(file) = &objects[i].mesh {
@@ -80,7 +91,23 @@ impl Places {
             });
         }
         places.framed = places.around(headers);
+        places.frames = places.frames(objects, &worlds);
         places
+    }
+
+    /// The frames of all objects with a name, that of the scene's own volume first.
+    fn frames(&self, objects: &[SceneObject], worlds: &[DAffine3]) -> Vec<PlacedFrame> {
+        let own = std::iter::once((None, OWN_VOLUME));
+        let named = objects.iter().enumerate();
+        let named = named.filter_map(|(i, object)| Some((Some(i), object.name.as_deref()?)));
+        let by_object = self.volumes.iter();
+        let by_object: HashMap<_, _> = by_object.map(|volume| (volume.object, volume)).collect();
+        let frame = |(object, name): (Option<usize>, &str)| PlacedFrame {
+            name: name.to_owned(),
+            world_from_object: worlds[object.map_or(0, |i| 1 + i)],
+            grid: by_object.get(&object).map(|volume| volume.grid),
+        };
+        own.chain(named).map(frame).collect()
     }
 
     /// The grid of one volume, or a box around all.

@@ -68,8 +68,9 @@ pub struct Plan {
 /// Layers in one picture: a bit each in [`LayerSet`], an object each in a ray loop of shader programs.
 pub const MOST_LAYERS: usize = strahl_shader::MOST_OBJECTS;
 
-/// Masks in one picture.
-pub use strahl_shader::MOST_MASKS;
+/// Masks in one picture. Shader programs, by which the GPU and graphs draw, hold fewer:
+/// [`strahl_shader::MOST_MASKS`].
+pub const MOST_MASKS: usize = 256;
 
 /// Pixels along an edge of a picture.
 pub const MOST_EDGE_PIXELS: u32 = 65_535;
@@ -763,6 +764,10 @@ pub struct Display {
     pub curve: DisplayCurve,
     /// Whether jagged edges of the encoded picture are smoothed.
     pub fxaa: bool,
+    /// An opaque background, in linear light, that is put behind the picture after the tone map, so that it keeps its
+    /// color. The background of the Plan is transparent then. `None` if exposure, tone map and curve do not change
+    /// light from 0 to 1: the picture contains its background.
+    pub background: Option<[f32; 3]>,
 }
 
 impl Display {
@@ -772,7 +777,21 @@ impl Display {
         tone_map: ToneMap::Clamp,
         curve: DisplayCurve::Srgb,
         fxaa: false,
+        background: None,
     };
+
+    /// Whether light from 0 to 1 keeps its color.
+    fn is_plain(&self) -> bool {
+        self.exposure == 1.0 && self.tone_map == ToneMap::Clamp && self.curve == DisplayCurve::Srgb
+    }
+
+    /// Takes over an opaque background that this would change; `linear` is its color in linear light.
+    pub(crate) fn take_background(&mut self, background: &mut [f32; 4], linear: [f32; 3]) {
+        if background[3] == 1.0 && !self.is_plain() {
+            self.background = Some(linear);
+            *background = [0.0; 4];
+        }
+    }
 }
 
 /// How light above 1 is brought down.

@@ -65,7 +65,10 @@ fn plan(settled: &SettledScene, headers: &Headers, checker: &mut Checker) -> Opt
     let meshes = plan_meshes(settled, headers, compositing, checker);
     let lattice = plan_lattice(settled, checker);
     let sampling = settled.sampling.plan(checker);
-    let display = settled.display.plan(checker);
+    let mut display = settled.display.plan(checker);
+    let mut background = settled.background.in_space(compositing);
+    let [r, g, b, _] = settled.background.in_space(PlanCompositing::Linear);
+    display.take_background(&mut background, [r, g, b]);
     let mut plan = Plan {
         width: size[0],
         height: size[1],
@@ -84,7 +87,7 @@ fn plan(settled: &SettledScene, headers: &Headers, checker: &mut Checker) -> Opt
         ray_clips: clips.planes,
         sample_clips: clips.shapes,
         modules: Vec::new(),
-        background: settled.background.in_space(compositing),
+        background,
         compositing,
         with_depth: false,
         display,
@@ -251,7 +254,7 @@ fn plan_clips(settled: &SettledScene, headers: &Headers, checker: &mut Checker) 
     let mut clips = PlanClips::default();
     let volumes = settled.volumes.iter();
     let places = ClipPlaces {
-        grid: &settled.volumes[0].place.grid,
+        frames: &settled.clip_frames,
         masks: &headers.masks,
         names: volumes.map(|volume| volume.place.name.as_deref()).collect(),
     };

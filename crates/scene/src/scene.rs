@@ -60,7 +60,7 @@ pub struct Scene {
     /// The value of the surface that method `first-hit` draws.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub threshold: Option<f64>,
-    /// Method `mida`: −1 is emission–absorption, 0 the method itself (default).
+    /// Method `mida`: −1 is emission–absorption, 0 the method itself (default), 1 the largest value alone.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub blend: Option<f64>,
     /// Draws a debug view instead of the data.
@@ -359,6 +359,7 @@ impl SettledDisplay {
                 },
             },
             fxaa: self.fxaa,
+            background: None,
         }
     }
 }

@@ -262,7 +262,12 @@ pub(crate) fn notes(uses: &[SegmentUse], all: &Techniques, labels: &LabelHeader)
         notes_of(&path, technique.uses(), labels, &mut notes);
     }
     if shown(uses, all, labels) == 0 {
-        notes.push("every segment is hidden: the picture is empty".to_owned());
+        let hidden = "every segment is hidden: the picture is empty";
+        // A choice without segments is the reason.
+        match notes.last_mut() {
+            Some(note) => *note = format!("{note}; {hidden}"),
+            None => notes.push(hidden.to_owned()),
+        }
     }
     notes
 }

@@ -7,7 +7,7 @@ use crate::camera::SettledCamera;
 use crate::clip::SettledClip;
 use crate::composite::{DepthView, SettledComposite};
 use crate::light::SettledLight;
-use crate::places::{PlacedMesh, PlacedVolume, Places};
+use crate::places::{PlacedFrame, PlacedMesh, PlacedVolume, Places};
 use crate::problem::Checker;
 use crate::sampling::SettledSampling;
 use crate::scene::SettledDisplay;
@@ -63,6 +63,8 @@ pub(crate) struct SettledScene {
     pub camera: SettledCamera,
     pub clips: Vec<SettledClip>,
     pub importance: Option<ImportanceSource>,
+    /// Frames that clips may have, that of the scene's own volume first.
+    pub clip_frames: Vec<PlacedFrame>,
     pub reconstruct: Reconstruct,
     pub gradient: SettledGradient,
     pub step: Step,
@@ -124,6 +126,7 @@ impl SettledScene {
             volumes,
             meshes,
             framed,
+            frames,
         } = Places::new(scene, headers, checker);
         let gradient = SettledGradient::new(
             scene.gradient.unwrap_or_default(),
@@ -145,7 +148,6 @@ impl SettledScene {
         let lights = settled_lights(scene, &from_preset, is_lit, checker);
         let camera = scene.camera.unwrap_or_default();
         let clips = scene.clips.iter().flatten().enumerate();
-        let own_grid = volumes[0].place.grid;
         let camera = camera.settled(header, &framed, size, checker);
         let view = DepthView {
             camera: &camera,
@@ -169,9 +171,10 @@ impl SettledScene {
             lights,
             camera,
             clips: clips
-                .map(|(i, clip)| clip.settled(&own_grid, &format!("clips[{i}]"), checker))
+                .map(|(i, clip)| clip.settled(&frames, &format!("clips[{i}]"), checker))
                 .collect(),
             importance: scene.importance.clone(),
+            clip_frames: frames,
             reconstruct: scene
                 .reconstruct
                 .or(of_quality.reconstruct)

@@ -35,7 +35,7 @@ pub struct SegmentTechnique {
     /// The value of the surface that method `first-hit` draws.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub threshold: Option<f64>,
-    /// Method `mida`: −1 is emission–absorption, 0 the method itself (default).
+    /// Method `mida`: −1 is emission–absorption, 0 the method itself (default), 1 the largest value alone.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub blend: Option<f64>,
     /// Value → color and opacity. Without it, and without a preset: white, so that segments have their own colors; solid,

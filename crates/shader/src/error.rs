@@ -72,6 +72,16 @@ pub enum Error {
         /// How many a technique holds.
         most: usize,
     },
+    /// More masks than a program has textures for.
+    #[error(
+        "the ray loop of shader programs has {most} masks, and the scene {number}; draw without a graph and by the CPU's own loop, or make one mask of labels that look alike"
+    )]
+    Masks {
+        /// How many are asked for.
+        number: usize,
+        /// How many there can be.
+        most: usize,
+    },
     /// A rule of sampling that only the CPU's own ray loop has.
     #[error(
         "the ray loop of shader programs takes one sample at every lattice point, and sampling.rule is {rule:?}; draw without a graph and by the CPU's own loop, or with rule \"regular\""

@@ -77,7 +77,7 @@ pub use folder::Folder;
 pub use load::{load, load_label_table, load_under};
 pub use note::Note;
 pub use output::{Output, abandon_outputs};
-pub use picture::{Encoding, Recipe, SOFTWARE, write_picture};
+pub use picture::{CarriedFiles, Encoding, MadeFrom, Recipe, SOFTWARE, write_picture};
 pub use render::{Picture, Render, ShownPicture, Told, render_file};
 pub use scene_file::{SceneFile, seen_from};
 #[cfg(feature = "graph")]

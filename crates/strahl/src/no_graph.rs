@@ -2,6 +2,7 @@
 
 use crate::Error;
 use crate::confinement::Confinement;
+use crate::picture::CarriedFiles;
 use std::path::{Path, PathBuf};
 use strahl_scene::GraphText;
 
@@ -10,8 +11,17 @@ pub enum SceneGraph {}
 
 impl SceneGraph {
     /// That of no scene.
-    pub fn new(_name: &str, _text: Option<&GraphText>) -> Result<SceneGraph, Error> {
+    pub fn with_carried(
+        _name: &str,
+        _text: Option<&GraphText>,
+        _carried: &CarriedFiles,
+    ) -> Result<SceneGraph, Error> {
         Err(no_graphs(None))
+    }
+
+    /// Its files.
+    pub fn carried(&self) -> &CarriedFiles {
+        match *self {}
     }
 }
 

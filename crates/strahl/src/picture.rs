@@ -5,6 +5,7 @@
 //! rounded without dithering, with an `sRGB` or `gAMA` chunk that says so. EXR gets the light as it is:
 //! linear, premultiplied, without exposure and tone map; and the depth, if there is one.
 
+mod carried;
 mod display;
 #[cfg(feature = "exr")]
 mod exr;
@@ -21,7 +22,10 @@ use std::io::{BufReader, Read, Seek, Write};
 use std::path::Path;
 use strahl_scene::{Image, plan::Display};
 
-pub use recipe::{Recipe, SOFTWARE};
+pub use carried::CarriedFiles;
+#[cfg(feature = "graph")]
+pub(crate) use carried::MOST_CARRIED_BYTES;
+pub use recipe::{MadeFrom, Recipe, SOFTWARE};
 
 /// How a picture is stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -132,8 +136,8 @@ pub fn write_picture(
     match encoding {
         Encoding::Png8 => png::write(image, display, ::png::BitDepth::Eight, recipe, out),
         Encoding::Png16 => png::write(image, display, ::png::BitDepth::Sixteen, recipe, out),
-        Encoding::ExrHalf => exr::write(image, depth_mm, true, recipe, out),
-        Encoding::ExrFloat => exr::write(image, depth_mm, false, recipe, out),
+        Encoding::ExrHalf => exr::write(image, display.background, depth_mm, true, recipe, out),
+        Encoding::ExrFloat => exr::write(image, display.background, depth_mm, false, recipe, out),
     }
 }
 

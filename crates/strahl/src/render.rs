@@ -4,8 +4,11 @@ use crate::backend::{Backend, DrawRequest, DrawnBy, draw};
 use crate::budget::Budget;
 use crate::confinement::Confinement;
 use crate::note::Note;
+use crate::picture::{CarriedFiles, MadeFrom, SOFTWARE};
 use crate::scene_data::{OwnVolume, SceneData};
-use crate::scene_file::{SceneFile, anonymous, told_from};
+use crate::scene_file::{
+    SceneFile, anonymous, anonymous_made_from, made_from_told_from, told_from,
+};
 use crate::scene_graph::SceneGraph;
 use crate::session::Session;
 use crate::show_stage::ShowStage;
@@ -61,6 +64,8 @@ pub struct Render<'a> {
     with_depth: bool,
     /// Whether every key of the scene is set, as in pictures.
     is_complete: bool,
+    /// Files of the scene that are used instead of those at their paths.
+    carried: CarriedFiles,
     backend: Backend,
     control: Control,
     show: Option<ShowStage<'a>>,
@@ -97,7 +102,7 @@ pub struct ShownPicture {
 /// A picture, and information about it.
 #[derive(Clone, Debug)]
 pub struct Picture {
-    /// Linear, premultiplied pixels, background included.
+    /// Linear, premultiplied pixels, with the background unless `display.background` is set.
     pub image: Image,
     /// Distance of the first hit or of a mesh from the start of each ray in mm, row by row from
     /// the top, infinite without a hit. `None` without [`Render::with_depth`].
@@ -106,6 +111,8 @@ pub struct Picture {
     pub display: plan::Display,
     /// The scene with every default filled in. Drawing it again gives the same picture.
     pub scene: Scene,
+    /// The scene without defaults, and files that it names.
+    pub made_from: MadeFrom,
     /// What the user should know, such as ignored slices and corrected fields of the file.
     pub notes: Vec<Note>,
     /// Times and counts of drawing.
@@ -153,7 +160,8 @@ impl<'a> Render<'a> {
     pub fn scene_file(file: SceneFile) -> Render<'a> {
         Render {
             scene_path: Some(file.path),
-            is_complete: file.software.is_some(),
+            is_complete: file.software.is_some_and(|software| software != SOFTWARE),
+            carried: file.carried,
             confinement: file.confinement,
             ..Render::new(Source::Scene, file.scene)
         }
@@ -167,6 +175,7 @@ impl<'a> Render<'a> {
             options: Options::default(),
             with_depth: false,
             is_complete: false,
+            carried: CarriedFiles::default(),
             backend: Backend::default(),
             control: Control::NONE,
             show: None,
@@ -305,9 +314,16 @@ impl<'a> Render<'a> {
         let mut plan = self.checked(resolve_with(&scene, &headers))?;
         plan.with_depth = self.with_depth;
         let graph = match &scene.graph {
-            Some(text) => Some(SceneGraph::new(&self.graph_name(), Some(text))?),
+            Some(text) => {
+                let name = self.graph_name();
+                Some(SceneGraph::with_carried(&name, Some(text), &self.carried)?)
+            }
             None => None,
         };
+        let mut files = data.carried.clone();
+        if let Some(graph) = &graph {
+            files.extend(graph.carried());
+        }
         let datasets = data.datasets();
         let threads = self.options.threads;
         budget.check(&plan, &datasets, &self.backend, graph.is_some(), threads)?;
@@ -333,6 +349,10 @@ impl<'a> Render<'a> {
             depth_mm: drawn.rendered.depth_mm,
             display: plan.display,
             scene: settled_with(&scene, &headers),
+            made_from: MadeFrom {
+                given: scene,
+                files,
+            },
             notes,
             stats: drawn.rendered.stats,
             drawn_by: drawn.drawn_by,
@@ -419,7 +439,7 @@ impl<'a> Render<'a> {
     /// The text of the graph is wrong, or a file that it names cannot be read.
     #[cfg(feature = "graph")]
     pub fn graph(&self) -> Result<SceneGraph, Error> {
-        SceneGraph::new(&self.graph_name(), self.scene.graph.as_ref())
+        SceneGraph::with_carried(&self.graph_name(), self.scene.graph.as_ref(), &self.carried)
     }
 
     fn graph_name(&self) -> String {
@@ -438,8 +458,9 @@ impl<'a> Render<'a> {
 
     /// Everything that the scene names.
     fn data(&self, session: &Session) -> Result<SceneData, Error> {
-        let within = self.confinement.as_ref();
-        SceneData::load(session, &self.scene, self.own()?, within, &self.control)
+        let (carried, within) = (&self.carried, self.confinement.as_ref());
+        let own = self.own()?;
+        SceneData::load(session, &self.scene, own, carried, within, &self.control)
             .map_err(|error| error.of_scene(&self.scene_path))
     }
 
@@ -540,6 +561,13 @@ fn has_depth(plan: &plan::Plan) -> bool {
 
 /// A note if the picture shows nothing but its background.
 fn of_emptiness(rendered: &Rendered, plan: &plan::Plan, headers: &Headers) -> Option<Note> {
+    // There is a note already if every segment is hidden.
+    if let Some(labelled) = plan.labelled() {
+        let mut looks = labelled.looks.values().chain([&labelled.others]);
+        if looks.all(|look| look.technique.is_none()) {
+            return None;
+        }
+    }
     let pixels = rendered.image.pixels();
     let first = *pixels.first()?;
     // All are the color of the background, bit by bit, as nothing was added to it.
@@ -591,11 +619,11 @@ impl Session {
 /// What a picture file says about how it was made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Told {
-    /// The scene. Its paths are put as seen from the file's folder; of what lies on another branch of the file system only
-    /// the last name is told.
+    /// The scene, with and without defaults, its shader functions, and patterns and textures of its graph. Paths are
+    /// relative to the file's folder; of what lies on another branch of the file system only the last name is told.
     #[default]
     Scene,
-    /// The scene without what may say whose data it is: of paths only the last names, no series.
+    /// The scene without what may say whose data it is: of paths only the last names, no series, no files.
     Anonymous,
     /// Nothing.
     Nothing,
@@ -620,12 +648,18 @@ impl Picture {
         encoding: Encoding,
         mut output: Output,
     ) -> Result<(), Error> {
-        let scene = match told {
-            Told::Scene => Some(told_from(output.folder(), &self.scene)),
-            Told::Anonymous => Some(anonymous(&self.scene)),
+        let (scene, made_from) = (&self.scene, &self.made_from);
+        let told = match told {
+            Told::Scene => {
+                let folder = output.folder();
+                let made_from = made_from_told_from(folder, made_from);
+                Some((told_from(folder, scene), made_from))
+            }
+            Told::Anonymous => Some((anonymous(scene), anonymous_made_from(made_from))),
             Told::Nothing => None,
         };
-        let recipe = scene.map(|scene| Recipe::new(scene.to_json()));
+        let recipe =
+            told.map(|(scene, made_from)| Recipe::new(scene.to_json()).with_made_from(&made_from));
         write_picture(
             &self.image,
             self.depth_mm.as_deref(),

@@ -3,6 +3,7 @@
 use crate::Error;
 use crate::confinement::Confinement;
 use crate::folder::{Folder, file_name};
+use crate::picture::CarriedFiles;
 use crate::scene_file::check_paths;
 use crate::session::{ReadLabels, Session};
 use std::any::Any;
@@ -51,6 +52,8 @@ pub(crate) struct SceneData {
     meshes: Vec<Mesh>,
     labels: Option<LabelVolume>,
     modules: BTreeMap<String, Arc<Module>>,
+    /// The texts of the modules.
+    pub carried: CarriedFiles,
     /// What the user should know.
     pub notes: Vec<String>,
     /// What the session keeps, which must not be given up while this is there.
@@ -58,11 +61,13 @@ pub(crate) struct SceneData {
 }
 
 impl SceneData {
-    /// Has `session` read what `scene` names, with the volume that `own` says as its own.
+    /// Has `session` read what `scene` names, with the volume that `own` says as its own. Files that are `carried` are
+    /// not read.
     pub fn load(
         session: &Session,
         scene: &Scene,
         own: OwnVolume,
+        carried: &CarriedFiles,
         within: Option<&Confinement>,
         control: &Control,
     ) -> Result<SceneData, Error> {
@@ -75,6 +80,7 @@ impl SceneData {
             meshes: Vec::new(),
             labels: None,
             modules: BTreeMap::new(),
+            carried: CarriedFiles::default(),
             notes: Vec::new(),
             held: Vec::new(),
         };
@@ -84,7 +90,7 @@ impl SceneData {
             control,
         };
         if let Some(within) = within {
-            check_paths(scene, within)?;
+            check_paths(scene, carried, within)?;
         }
         // A file that says that it holds labels is not a scan, unless the scene says how its numbers are drawn.
         let source = scene.labels.clone().unwrap_or_default();
@@ -159,7 +165,12 @@ impl SceneData {
         }
         for function in scene.functions.iter().flat_map(BTreeMap::values) {
             if function.is_file() && !data.modules.contains_key(&function.module) {
-                let module = read_module(Path::new(&function.module))?;
+                let text = match carried.file(&function.module) {
+                    Some(text) => text.to_vec(),
+                    None => read_module(Path::new(&function.module))?,
+                };
+                data.carried.add_file(&function.module, &text);
+                let module = module_of(Path::new(&function.module), text)?;
                 data.modules
                     .insert(function.module.clone(), Arc::new(module));
             }
@@ -364,9 +375,26 @@ impl SceneData {
     }
 }
 
+/// The bytes of the shader function in a file. Without feature `graph` they are not read.
+fn read_module(path: &Path) -> Result<Vec<u8>, Error> {
+    let mut text = Vec::new();
+    #[cfg(feature = "graph")]
+    {
+        use crate::confinement::open_regular;
+        use std::io::Read;
+        let fail = |error| Error::path(path, error);
+        let file = open_regular(path).map_err(fail)?;
+        // One more, so that the parser sees what is too long and has the words for it.
+        file.take(strahl_shader::MOST_MODULE_BYTES as u64 + 1)
+            .read_to_end(&mut text)
+            .map_err(fail)?;
+    }
+    Ok(text)
+}
+
 /// The shader function in a file.
 #[cfg(not(feature = "graph"))]
-fn read_module(path: &Path) -> Result<Module, Error> {
+fn module_of(path: &Path, _text: Vec<u8>) -> Result<Module, Error> {
     Err(Error::NoGraphs {
         file: Some(path.to_owned()),
         what: "a shader function of a file",
@@ -375,17 +403,7 @@ fn read_module(path: &Path) -> Result<Module, Error> {
 
 /// The shader function in a file.
 #[cfg(feature = "graph")]
-fn read_module(path: &Path) -> Result<Module, Error> {
-    use crate::confinement::open_regular;
-    use std::io::Read;
-    use strahl_shader::MOST_MODULE_BYTES;
-    let fail = |error| Error::path(path, error);
-    let mut text = Vec::new();
-    let file = open_regular(path).map_err(fail)?;
-    // One more, so that the parser sees what is too long and has the words for it.
-    file.take(MOST_MODULE_BYTES as u64 + 1)
-        .read_to_end(&mut text)
-        .map_err(fail)?;
+fn module_of(path: &Path, text: Vec<u8>) -> Result<Module, Error> {
     let text = String::from_utf8(text)
         .map_err(|_| Error::not_usable(path, "a shader function is text in UTF-8"))?;
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();

@@ -1,6 +1,7 @@
 //! Scenes on disk: JSON files, and pictures that contain their scene.
 
 use crate::confinement::{Confinement, open_regular};
+use crate::picture::{CarriedFiles, MadeFrom, SOFTWARE};
 use crate::{Error, Recipe, scene_graph};
 use std::fs;
 use std::io::Read;
@@ -12,8 +13,11 @@ use strahl_scene::{Clip, GraphText, MOST_SCENE_BYTES, Scene};
 pub struct SceneFile {
     /// The file.
     pub path: PathBuf,
-    /// The scene, with paths relative to the current folder.
+    /// The scene, with paths relative to the current folder. The scene of a picture has no defaults if this version has
+    /// made the picture, and all defaults otherwise, since those of another version may differ.
     pub scene: Scene,
+    /// Files of the scene that a picture contains. They are used instead of those at the paths.
+    pub carried: CarriedFiles,
     /// The program that made the picture, if the scene comes from one.
     pub software: Option<String>,
     /// Where the scene may read, if not everywhere.
@@ -48,7 +52,9 @@ impl SceneFile {
         if fs::metadata(path).map_err(fail)?.is_dir() {
             return Ok(None);
         }
+        let mut made_from = None;
         let (text, software) = if let Some(recipe) = recipe(path)? {
+            made_from = recipe.made_from();
             (recipe.scene, Some(recipe.software))
         } else {
             let mut file = open_regular(path).map_err(fail)?;
@@ -93,14 +99,26 @@ impl SceneFile {
             }
             scene
         };
-        for relative in paths_of(&mut scene) {
-            if let Some(joined) = folder.join(&*relative).to_str() {
-                *relative = joined.to_owned();
+        let join = |path: &mut String| {
+            if let Some(joined) = folder.join(&*path).to_str() {
+                *path = joined.to_owned();
+            }
+        };
+        let mut carried = CarriedFiles::default();
+        if let Some(made_from) = made_from {
+            carried = made_from.files.with_paths(join);
+            // Defaults of this version need not be set, so that quality and preset can change them.
+            if software.as_deref() == Some(SOFTWARE) {
+                let graph = scene.graph.take();
+                scene = made_from.given;
+                scene.graph = graph;
             }
         }
+        paths_of(&mut scene).into_iter().for_each(join);
         Ok(Some(SceneFile {
             path: path.to_owned(),
             scene,
+            carried,
             software,
             confinement,
         }))
@@ -179,25 +197,59 @@ fn skip_comments(mut text: &str) -> &str {
 /// `scene` with its paths put as seen from `folder`, with `/` between, for a file that will lie
 /// there. A file on another branch of the file system keeps its whole path.
 pub fn seen_from(folder: &Path, scene: &Scene) -> Scene {
+    with_paths(scene, see_from(folder))
+}
+
+fn see_from(folder: &Path) -> impl Fn(&mut String) {
     let folder = whole(if folder.as_os_str().is_empty() {
         Path::new(".")
     } else {
         folder
     });
-    with_paths(scene, |path| {
+    move |path| {
         if let Some(relative) = relative(&whole(Path::new(&*path)), &folder) {
             *path = relative;
         }
-    })
+    }
 }
 
 /// The same for a picture in `folder`, which may go anywhere: a path that would be whole becomes the name of its file.
 pub(crate) fn told_from(folder: &Path, scene: &Scene) -> Scene {
-    with_paths(&seen_from(folder, scene), |path| {
+    with_paths(scene, tell_from(folder))
+}
+
+/// What a scene was made from, for a picture in `folder`, as [`told_from`] does it.
+pub(crate) fn made_from_told_from(folder: &Path, made_from: &MadeFrom) -> MadeFrom {
+    MadeFrom {
+        given: told_from(folder, &without_graph(&made_from.given)),
+        files: made_from.files.with_paths(tell_from(folder)),
+    }
+}
+
+/// The same without what may say whose data it shows: the files are left out.
+pub(crate) fn anonymous_made_from(made_from: &MadeFrom) -> MadeFrom {
+    MadeFrom {
+        given: anonymous(&without_graph(&made_from.given)),
+        ..MadeFrom::default()
+    }
+}
+
+fn without_graph(scene: &Scene) -> Scene {
+    Scene {
+        graph: None,
+        ..scene.clone()
+    }
+}
+
+/// Puts a path as seen from `folder`; a path that would be whole becomes the name of its file.
+fn tell_from(folder: &Path) -> impl Fn(&mut String) {
+    let see = see_from(folder);
+    move |path| {
+        see(path);
         if Path::new(&*path).is_absolute() {
             *path = last_name(path);
         }
-    })
+    }
 }
 
 /// `scene` without what may say whose data it shows.
@@ -229,11 +281,19 @@ fn with_paths(scene: &Scene, change: impl Fn(&mut String)) -> Scene {
     scene
 }
 
-/// That everything that `scene` names lies where `confinement` says.
-pub(crate) fn check_paths(scene: &Scene, confinement: &Confinement) -> Result<(), Error> {
+/// Checks that everything that `scene` names, and that is not `carried`, lies where `confinement` says.
+pub(crate) fn check_paths(
+    scene: &Scene,
+    carried: &CarriedFiles,
+    confinement: &Confinement,
+) -> Result<(), Error> {
     let mut scene = scene.clone();
+    let check_path = |path: &str| match carried.has(path) {
+        true => Ok(()),
+        false => confinement.check(Path::new(path)),
+    };
     for path in paths_of(&mut scene) {
-        confinement.check(Path::new(&*path))?;
+        check_path(path)?;
     }
     let Some(graph) = &scene.graph else {
         return Ok(());
@@ -241,7 +301,7 @@ pub(crate) fn check_paths(scene: &Scene, confinement: &Confinement) -> Result<()
     let mut checked = Ok(());
     let check = |path: &mut String| {
         if checked.is_ok() {
-            checked = confinement.check(Path::new(&*path));
+            checked = check_path(path);
         }
     };
     scene_graph::with_paths(

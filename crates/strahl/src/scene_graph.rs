@@ -3,12 +3,14 @@
 use crate::Error;
 use crate::confinement::{Confinement, open_regular};
 use crate::note::Note;
+use crate::picture::CarriedFiles;
+use std::collections::BTreeMap;
 use std::fs;
 use std::io::Read;
 use std::path::Path;
 use strahl_graph::{
-    CompiledGraph, Compiler, EditedGraph, GraphUse, MOST_GRAPH_BYTES, Patterns, Problem, Texture,
-    edited, pre_integrated, standard, unfolded,
+    CompiledGraph, Compiler, EditList, EditedGraph, GraphUse, MOST_GRAPH_BYTES, Patterns, Problem,
+    Texture, edited, pre_integrated, standard, unfolded,
 };
 use strahl_program::{Functions, Table2d};
 use strahl_scene::plan::Plan;
@@ -26,6 +28,8 @@ pub struct SceneGraph {
     name: String,
     asked: GraphUse,
     patterns: Patterns,
+    /// Its folders of patterns, and its textures.
+    carried: CarriedFiles,
 }
 
 /// The text `text` of a graph with every graph and WGSL file that it names inside it, read from `folder`, and each of
@@ -110,19 +114,47 @@ impl SceneGraph {
     /// # Errors
     /// The text is wrong, or a file that it names cannot be read.
     pub fn new(name: &str, text: Option<&GraphText>) -> Result<SceneGraph, Error> {
-        let asked = match text {
+        SceneGraph::with_carried(name, text, &CarriedFiles::default())
+    }
+
+    /// The same, with `carried` files that are used instead of those at their paths.
+    pub(crate) fn with_carried(
+        name: &str,
+        text: Option<&GraphText>,
+        carried: &CarriedFiles,
+    ) -> Result<SceneGraph, Error> {
+        let mut asked = match text {
             Some(text) => read(name, text.as_str(), Path::new(""), None)?,
             None => GraphUse::default(),
         };
         let mut patterns = Patterns::new();
+        let mut found = CarriedFiles::default();
         for folder in &asked.patterns {
-            add_patterns(&mut patterns, Path::new(folder))?;
+            let files = match carried.folder(folder) {
+                Some(files) => files.clone(),
+                None => files_in(folder)?,
+            };
+            add_patterns(&mut patterns, folder, &files)?;
+            found.add_folder(folder, &files);
         }
+        asked.for_each_path_mut(|path| {
+            if let Some(bytes) = carried.file(path) {
+                found.add_file(path, bytes);
+            } else if let Some(bytes) = file_to_carry(Path::new(path)) {
+                found.add_file(path, &bytes);
+            }
+        });
         Ok(SceneGraph {
             name: name.to_owned(),
             asked,
             patterns,
+            carried: found,
         })
+    }
+
+    /// Its folders of patterns, and its textures.
+    pub(crate) fn carried(&self) -> &CarriedFiles {
+        &self.carried
     }
 
     /// The graph that draws `plan`, after all edits, and where these want the same place.
@@ -149,7 +181,9 @@ impl SceneGraph {
     ) -> Result<ReadyGraph, Error> {
         let EditedGraph { graph, conflicts } = self.graph(plan)?;
         let mut compiler = Compiler::new(self.patterns.clone());
-        let compiled = compiler.compile(&self.name, &graph, what, functions)?;
+        let compiled = compiler
+            .compile(&self.name, &graph, what, functions)
+            .map_err(|error| self.with_culprit(error, plan, what, functions))?;
         let mut textures = Vec::new();
         for (node, texture, object) in &compiled.textures {
             textures.push(self.table(plan, node, texture, *object)?);
@@ -172,6 +206,39 @@ impl SceneGraph {
             compiled,
             textures,
         })
+    }
+
+    /// `error`, which first names the list of edits after which the graph of these settings cannot be drawn.
+    fn with_culprit(
+        &self,
+        error: strahl_graph::Error,
+        plan: &Plan,
+        what: &RayLoop,
+        functions: &Functions,
+    ) -> strahl_graph::Error {
+        let strahl_graph::Error::Graph { file, mut problems } = error else {
+            return error;
+        };
+        let fails = |lists: &[EditList]| {
+            let edited = standard(plan)
+                .ok()
+                .and_then(|graph| edited(graph, lists, &self.patterns).ok());
+            let mut compiler = Compiler::new(self.patterns.clone());
+            edited.is_some_and(|edited| {
+                (compiler.compile(&self.name, &edited.graph, what, functions)).is_err()
+            })
+        };
+        let lists = &self.asked.edits;
+        let culprit = (0..lists.len()).find(|last| fails(&lists[..=*last]));
+        if let (Some(culprit), None) = (culprit, &self.asked.graph) {
+            let method = plan.technique().composite.function().word;
+            let why = format!(
+                "this edit makes a graph of method {method} that cannot be drawn; with another method, nodes may lie elsewhere, inside or outside of loops"
+            );
+            let place = format!("edits.{}", lists[culprit].name);
+            problems.insert(0, Problem::new(place, why));
+        }
+        strahl_graph::Error::Graph { file, problems }
     }
 
     /// Draws `plan` by its graph, with what is odd about that.
@@ -222,7 +289,7 @@ impl SceneGraph {
         let wrong =
             |why: String| self.wrong(vec![Problem::new(format!("nodes.{node}.texture"), why)]);
         match texture {
-            Texture::File(path) => picture(Path::new(path)),
+            Texture::File(path) => picture(Path::new(path), self.carried.file(path)),
             Texture::Texels {
                 width,
                 height,
@@ -289,24 +356,21 @@ fn text_of(path: &Path) -> Result<String, std::io::Error> {
     String::from_utf8(bytes).map_err(|_| std::io::Error::other("it is no text in UTF-8"))
 }
 
-/// Every `NAME.wgsl` of a folder, in the order of their names.
-fn add_patterns(patterns: &mut Patterns, folder: &Path) -> Result<(), Error> {
-    let fail = |error| Error::path(folder, error);
-    let mut files = Vec::new();
-    for entry in fs::read_dir(folder).map_err(fail)? {
-        let path = entry.map_err(fail)?.path();
-        if path.extension().is_some_and(|e| e == "wgsl") {
-            files.push(path);
-        }
-    }
-    files.sort();
-    for path in files {
-        let text = text_of(&path).map_err(|error| Error::path(&path, error))?;
-        let name = path.file_stem().unwrap_or_default().to_string_lossy();
-        let file = path.display().to_string();
-        patterns.add(&name, &file, &text).map_err(|problem| {
+/// Adds every `NAME.wgsl` of a folder, in the order of the names.
+fn add_patterns(
+    patterns: &mut Patterns,
+    folder: &str,
+    files: &BTreeMap<String, Vec<u8>>,
+) -> Result<(), Error> {
+    for (name, text) in files {
+        let file = Path::new(folder).join(name);
+        let text = std::str::from_utf8(text)
+            .map_err(|_| Error::not_usable(&file, "a pattern is text in UTF-8"))?;
+        let stem = name.strip_suffix(".wgsl").unwrap_or(name);
+        let file = file.display().to_string();
+        patterns.add(stem, &file, text).map_err(|problem| {
             Error::Graph(strahl_graph::Error::Graph {
-                file: folder.display().to_string(),
+                file: folder.to_owned(),
                 problems: vec![problem],
             })
         })?;
@@ -314,11 +378,44 @@ fn add_patterns(patterns: &mut Patterns, folder: &Path) -> Result<(), Error> {
     Ok(())
 }
 
+/// Name and text of every WGSL file of a folder.
+fn files_in(folder: &str) -> Result<BTreeMap<String, Vec<u8>>, Error> {
+    let folder = Path::new(folder);
+    let fail = |error| Error::path(folder, error);
+    let mut files = BTreeMap::new();
+    for entry in fs::read_dir(folder).map_err(fail)? {
+        let path = entry.map_err(fail)?.path();
+        if path.extension().is_some_and(|e| e == "wgsl") {
+            let text = text_of(&path).map_err(|error| Error::path(&path, error))?;
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            files.insert(name.into_owned(), text.into_bytes());
+        }
+    }
+    Ok(files)
+}
+
+/// The content of a texture; `None` if it is too long to be carried, or cannot be read, which is an error where it is
+/// drawn.
+fn file_to_carry(path: &Path) -> Option<Vec<u8>> {
+    let mut bytes = Vec::new();
+    let limit = crate::picture::MOST_CARRIED_BYTES as u64;
+    let file = open_regular(path).ok()?;
+    file.take(limit + 1).read_to_end(&mut bytes).ok()?;
+    (bytes.len() as u64 <= limit).then_some(bytes)
+}
+
 /// A PNG as linear colours.
-fn picture(path: &Path) -> Result<Table2d, Error> {
+fn picture(path: &Path, carried: Option<&[u8]>) -> Result<Table2d, Error> {
+    if let Some(bytes) = carried {
+        return texels(path, std::io::Cursor::new(bytes));
+    }
     let file = open_regular(path).map_err(|error| Error::path(path, error))?;
+    texels(path, std::io::BufReader::new(file))
+}
+
+fn texels(path: &Path, png: impl std::io::BufRead + std::io::Seek) -> Result<Table2d, Error> {
     let wrong = |why: String| Error::not_usable(path, why);
-    let mut decoder = png::Decoder::new(std::io::BufReader::new(file));
+    let mut decoder = png::Decoder::new(png);
     decoder.set_transformations(
         png::Transformations::EXPAND | png::Transformations::STRIP_16 | png::Transformations::ALPHA,
     );
@@ -372,7 +469,7 @@ mod tests {
         let mut writer = encoder.write_header().unwrap();
         writer.write_image_data(&[255, 0, 188, 0, 0, 0]).unwrap();
         writer.finish().unwrap();
-        let table = picture(&path).unwrap();
+        let table = picture(&path, None).unwrap();
         assert_eq!((table.width, table.height, table.texels.len()), (2, 1, 2));
         assert!(
             (table.texels[0][2] - 0.5029).abs() < 1e-3,

@@ -29,8 +29,11 @@ impl Volume {
     /// The coefficients of the cubic B-spline that goes through the values, as a volume of f32 on the
     /// same grid, in values (rescale 1 and 0). On all cores (feature `threads`).
     ///
+    /// A voxel without a value (NaN, infinite) has no coefficient. The coefficients around it are those of a volume in
+    /// which the value before it, in the order of memory, is repeated.
+    ///
     /// # Errors
-    /// Voxels that are not finite or too large for f32: each would spoil the lines through it. No memory.
+    /// Values too large for f32, since each would spoil the lines through it. No memory.
     pub fn b_spline_coefficients(&self) -> Result<Volume, Error> {
         self.b_spline_coefficients_under(&Control::NONE)
     }
@@ -45,12 +48,9 @@ impl Volume {
         let largest = lo.abs().max(hi.abs());
         // Coefficients are up to three times the values along each axis.
         let limit = f64::from(f32::MAX) / 27.0;
-        if statistics.not_finite > 0 || largest > limit {
+        if largest > limit {
             return Err(ErrorKind::Unsupported {
-                feature: format!(
-                    "a prefilter for a volume with {} voxels that are not finite and values up to {largest:e}",
-                    statistics.not_finite
-                ),
+                feature: format!("a prefilter for a volume with values up to {largest:e}"),
                 instead: "replace such voxels, or use the B-spline without prefilter".into(),
             }
             .into());
@@ -92,10 +92,36 @@ impl Volume {
             control.check()?;
             coefficients.extend(samples.iter().map(|s| rescale.value(s.to_f64()) as f32));
         });
+        let lacks_values = self.statistics().not_finite > 0;
+        if lacks_values {
+            repeat_where_missing(coefficients);
+        }
         let [nx, ny, nz] = self.grid().dims();
         along(coefficients, nx, 1, control)?;
         along(coefficients, ny, nx, control)?;
-        along(coefficients, nz, nx * ny, control)
+        along(coefficients, nz, nx * ny, control)?;
+        if lacks_values {
+            with_samples!(self.samples(), samples => {
+                for (coefficient, sample) in coefficients.iter_mut().zip(samples.iter()) {
+                    if !rescale.value(sample.to_f64()).is_finite() {
+                        *coefficient = f32::NAN;
+                    }
+                }
+            });
+        }
+        Ok(())
+    }
+}
+
+/// Replaces what is not finite by the number before it, or by the first finite number.
+fn repeat_where_missing(numbers: &mut [f32]) {
+    let first = numbers.iter().copied().find(|number| number.is_finite());
+    let mut last = first.unwrap_or(0.0);
+    for number in numbers {
+        if number.is_finite() {
+            last = *number;
+        }
+        *number = last;
     }
 }
 
@@ -309,15 +335,52 @@ mod tests {
         assert!(with < 0.5 * without, "{with} {without}");
     }
 
+    /// Without a value there is no coefficient, and the spline goes through all voxels whose neighbors have a value.
     #[test]
-    fn voxels_without_value_are_refused() {
-        let grid = Grid::centred([2, 1, 1], DVec3::ONE).unwrap();
-        for bad in [f32::NAN, f32::INFINITY, f32::MAX] {
-            let samples = Samples::F32(vec![1.0, bad]);
-            let rescale = Rescale::IDENTITY;
-            let volume = Volume::new(grid, samples, rescale, Metadata::default()).unwrap();
-            let error = volume.b_spline_coefficients().unwrap_err().to_string();
-            assert!(error.contains("prefilter"), "{error}");
+    fn voxels_without_value_have_no_coefficient() {
+        let dims = [40, 20, 12];
+        let whole = noise(dims);
+        let values = |bad: f32| {
+            let values = (0..whole.samples().len()).map(|i| {
+                let value = whole.rescale().value(whole.samples().get(i)) as f32;
+                if i % dims[0] < 3 { bad } else { value }
+            });
+            let samples = Samples::F32(values.collect());
+            Volume::new(
+                *whole.grid(),
+                samples,
+                Rescale::IDENTITY,
+                Metadata::default(),
+            )
+            .unwrap()
+        };
+        for bad in [f32::NAN, f32::INFINITY] {
+            let coefficients = values(bad).b_spline_coefficients().unwrap();
+            let [lo, hi] = whole.statistics().range;
+            let tolerance = 1e-5 * lo.abs().max(hi.abs());
+            for x in 0..dims[0] {
+                let found = coefficients.value(x, 9, 5);
+                assert_eq!(found.is_nan(), x < 3, "{x}");
+                if x > 3 {
+                    let found = b_spline(&coefficients, [x as f64, 9.0, 5.0]);
+                    let expected = whole.value(x, 9, 5);
+                    assert!((found - expected).abs() <= tolerance, "{x}: {found}");
+                }
+            }
         }
+        let grid = Grid::centred([2, 1, 1], DVec3::ONE).unwrap();
+        let samples = Samples::F32(vec![f32::NAN; 2]);
+        let none = Volume::new(grid, samples, Rescale::IDENTITY, Metadata::default()).unwrap();
+        assert_eq!(
+            none.b_spline_coefficients()
+                .unwrap()
+                .statistics()
+                .not_finite,
+            2
+        );
+        let samples = Samples::F32(vec![1.0, f32::MAX]);
+        let large = Volume::new(grid, samples, Rescale::IDENTITY, Metadata::default()).unwrap();
+        let message = large.b_spline_coefficients().unwrap_err().to_string();
+        assert!(message.contains("e38"), "{message}");
     }
 }

@@ -222,6 +222,7 @@ fn flags_say_which_segments_are_drawn() {
         said.contains("every segment is hidden: the picture is empty"),
         "{said}"
     );
+    assert_eq!(said.matches("note").count(), 1, "{said}");
     let without = run(
         here,
         &[

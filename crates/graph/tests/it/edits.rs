@@ -280,3 +280,125 @@ fn segments_need_a_scene_that_has_them() {
         assert_says(&refused(&text), &[says]);
     }
 }
+
+/// The standard graph of a lit picture after edits, which are the commands of one list.
+fn over_standard(commands: &str) -> Result<Graph, Vec<Problem>> {
+    let text = format!(
+        r#"{{ "strahl_graph": 1, "edits": [{{ "name": "mine", "commands": [{commands}] }}] }}"#
+    );
+    let read = strahl_graph::GraphUse::read("test", &text, &mut |_| Err("no files".to_owned()));
+    let standard = strahl_graph::standard(&crate::plan("")).unwrap();
+    let done = edited(standard, &read.unwrap().edits, &Patterns::new());
+    done.map(|done| done.graph)
+}
+
+/// Empty space is known for the scene's transfer function and clips: after an edit that may show more, every sample is computed.
+#[test]
+fn skipping_follows_what_edits_may_show() {
+    let skips = |commands: &str| {
+        let graph = over_standard(commands).unwrap();
+        let nodes = graph.nodes.iter();
+        let seen: Vec<_> = nodes
+            .filter(|node| matches!(&node.kind, Kind::Pattern(name) if name == "is_seen" || name == "advance"))
+            .filter_map(|node| node.reads("empty"))
+            .map(|empty| matches!(empty, strahl_graph::Input::From(_)))
+            .collect();
+        assert!(!seen.is_empty());
+        seen.into_iter().all(|skips| skips)
+    };
+    let fog = r#"{ "add": { "fog": { "wgsl": ["fn fog(seen: Surface) -> Surface { return Surface(seen.color, max(seen.opacity, 0.01)); }"] } } }"#;
+    let more =
+        r#"{ "add": { "more": { "wgsl": ["fn more(x: f32) -> f32 { return x + 0.1; }"] } } }"#;
+    let tint = r#"{ "add": { "tint": { "wgsl": ["fn tint(color: vec3f) -> vec3f { return color.bgr; }"] } } }"#;
+    let insert = |node: &str, into: &str| {
+        format!(r#"{{ "insert": {{ "node": "{node}", "into": "{into}" }} }}"#)
+    };
+    assert!(skips(""));
+    assert!(skips(&format!(
+        "{tint}, {}",
+        insert("tint", "after_shade_color")
+    )));
+    assert!(!skips(&format!(
+        "{fog}, {}",
+        insert("fog", "after_classify")
+    )));
+    assert!(!skips(&format!(
+        "{more}, {}",
+        insert("more", "after_sample")
+    )));
+    assert!(!skips(&format!(
+        "{more}, {}",
+        insert("more", "after_shade_opacity")
+    )));
+    let all =
+        r#"{ "add": { "all": { "wgsl": ["fn all(kept: bool) -> bool { return true; }"] } } }"#;
+    assert!(!skips(&format!(
+        "{all}, {}",
+        insert("all", "after_clip_sample")
+    )));
+}
+
+#[test]
+fn a_classification_with_two_outputs_is_told_what_it_has_to_be() {
+    let two = r#"{ "add": { "mine": { "wgsl": ["struct Look { color: vec3f, opacity: f32 }", "fn mine(value: f32) -> Look { return Look(vec3f(value), value); }"], "inputs": { "value": "after_sample" } } } }"#;
+    let problems = over_standard(&format!(
+        r#"{two}, {{ "replace": {{ "stage": "classify", "by": "mine" }} }}"#
+    ))
+    .unwrap_err();
+    assert_eq!(problems.len(), 1, "{problems:?}");
+    assert_says(
+        &problems[0].to_string(),
+        &[
+            "edits.mine.commands[1].replace.by",
+            "`mine` has the outputs color, opacity",
+            "-> Surface",
+        ],
+    );
+}
+
+/// A node that only other settings have is distinguished from a typing error.
+#[test]
+fn nodes_of_other_settings_are_told_where_to_look() {
+    let tone = r#"{ "add": { "f": { "pattern": "tone", "inputs": { "normal": "normal" } } } }, { "insert": { "node": "f", "into": "after_shade_color" } }"#;
+    let graph = over_standard(tone).unwrap();
+    crate::compile(&graph).unwrap();
+    let unlit = crate::plan(r#", "shading": { "model": "unlit" }"#);
+    let text = format!(
+        r#"{{ "strahl_graph": 1, "edits": [{{ "name": "mine", "commands": [{tone}] }}] }}"#
+    );
+    let read = strahl_graph::GraphUse::read("test", &text, &mut |_| Err("no files".to_owned()));
+    let standard = strahl_graph::standard(&unlit).unwrap();
+    let graph = edited(standard, &read.unwrap().edits, &Patterns::new())
+        .unwrap()
+        .graph;
+    let message = crate::compile_over(&unlit, &graph).unwrap_err().to_string();
+    assert_says(
+        &message,
+        &[
+            "nodes.f.inputs.normal",
+            "`normal`",
+            "depends on the settings",
+            "`after_shade_color`",
+        ],
+    );
+}
+
+/// Only a GPU has them, and their values are undefined where neighbors have left the loop.
+#[test]
+fn derivatives_across_the_screen_are_refused() {
+    for call in ["dpdx(color)", "fwidthFine(color)", "dpdyCoarse(color)"] {
+        let graph = over_standard(&format!(
+            r#"{{ "add": {{ "x": {{ "wgsl": ["fn x(color: vec3f) -> vec3f {{ return abs({call}); }}"] }} }} }}"#
+        ))
+        .unwrap();
+        let message = crate::compile(&graph).unwrap_err().to_string();
+        assert_says(
+            &message,
+            &[
+                "nodes.x",
+                call.split('(').next().unwrap(),
+                "pixels of the screen",
+            ],
+        );
+    }
+}

@@ -91,6 +91,127 @@ fn the_default_view_is_that_of_the_scenes_own_volume() {
     }
 }
 
+/// Whether planes and shapes of layer number `layer` keep a point.
+fn keeps(plan: &Plan, layer: usize, point: DVec3) -> bool {
+    let mut planes = plan
+        .ray_clips
+        .iter()
+        .filter(|plane| plane.layers >> layer & 1 == 1);
+    let mut shapes = plan.sample_clips.iter().filter(|clip| clip.cuts(layer));
+    planes.all(|plane| plane.normal.dot(point) + plane.offset_mm >= 0.0)
+        && shapes.all(|clip| {
+            let unit = clip.unit_from_world.transform_point3(point);
+            (unit.abs().max_element() <= 0.5) == clip.keep_inside
+        })
+}
+
+/// A clip of an object moves with it: what it keeps of voxels does not depend on the object's transform.
+#[test]
+fn clips_of_an_object_move_with_it() {
+    let header = engine();
+    let mask = halved(&header).grid;
+    for (clip, moves) in [
+        (
+            r#""box": { "min": [0.1, 0.2, 0.3], "max": [0.5, 0.9, 1], "space": "fraction", "objects": ["b"] }"#,
+            true,
+        ),
+        (
+            r#""box": { "min": [0.1, 0.2, 0.3], "max": [0.5, 0.9, 1], "space": "fraction", "frame": "b" }"#,
+            true,
+        ),
+        (
+            r#""box": { "min": [0.1, 0.2, 0.3], "max": [0.5, 0.9, 1], "space": "fraction", "frame": "volume", "objects": ["b"] }"#,
+            false,
+        ),
+        (
+            r#""box": { "min": [-50, -50, -50], "max": [10, 60, 30], "rotation_deg": [10, 20, 30], "keep": "outside", "frame": "b" }"#,
+            true,
+        ),
+        (
+            r#""ellipsoid": { "min": [-50, -50, -50], "max": [10, 60, 30], "objects": ["b"] }"#,
+            false,
+        ),
+        (
+            r#""plane": { "normal": [1, 2, -1], "point": [5, 6, 7], "frame": "b" }"#,
+            true,
+        ),
+        (
+            r#""plane": { "normal": [1, 2, -1], "distance_mm": 12, "frame": "b" }"#,
+            true,
+        ),
+        (r#""plane": { "normal": [1, 2, -1], "frame": "b" }"#, true),
+        (
+            r#""plane": { "normal": [1, 2, -1], "objects": ["b"] }"#,
+            false,
+        ),
+        (r#""mask": { "path": "mask", "frame": "b" }"#, true),
+        (r#""mask": { "path": "mask", "objects": ["b"] }"#, false),
+    ] {
+        let headers = Headers {
+            masks: vec![mask],
+            ..Headers::from(header.clone())
+        };
+        let with = |transform: &str| {
+            let text = format!(
+                r#"{{ "objects": [{{ "name": "b", "like": "volume", "transform": {transform} }}], "clips": [{{ {clip} }}] }}"#
+            );
+            let plan = plan(&text, &headers);
+            // A scene with everything said means the same.
+            let said = settled_with(&scene(&text), &headers);
+            let again = resolve_with(&said, &headers).unwrap();
+            assert_eq!(format!("{plan:?}"), format!("{again:?}"), "{text}");
+            plan
+        };
+        let still = with("{}");
+        let moved = with(
+            r#"{ "translate_mm": [70, -30, 20], "rotate_deg": [20, 0, 50], "scale": [1.5, 1, 1] }"#,
+        );
+        let mut differ = 0;
+        for i in 0..4096u32 {
+            let voxel = DVec3::new(
+                f64::from(i % 16) * 17.0 + 0.3,
+                f64::from(i / 16 % 16) * 17.0 + 0.4,
+                f64::from(i / 256) * 8.0 + 0.6,
+            );
+            let kept = [&still, &moved].map(|plan| {
+                let world = plan
+                    .field_of(1)
+                    .grid
+                    .world_from_voxel()
+                    .transform_point3(voxel);
+                keeps(plan, 1, world)
+            });
+            differ += u32::from(kept[0] != kept[1]);
+        }
+        assert_eq!(differ == 0, moves, "{clip}: {differ}");
+    }
+}
+
+#[test]
+fn a_frame_that_is_not_there_is_named() {
+    let headers = Headers::from(engine());
+    for (clip, what) in [
+        (
+            r#""plane": { "normal": [1, 0, 0], "frame": "liver" }"#,
+            "clips[0].plane.frame is \"liver\"",
+        ),
+        (
+            r#""box": { "min": [0, 0, 0], "max": [1, 1, 1], "space": "voxels", "frame": "group" }"#,
+            "clips[0].box.space",
+        ),
+        (
+            r#""box": { "min": [0, 0, 0], "max": [1, 1, 1], "space": "fraction", "frame": "world" }"#,
+            "clips[0].box.space",
+        ),
+    ] {
+        let text = format!(r#"{{ "objects": [{{ "name": "group" }}], "clips": [{{ {clip} }}] }}"#);
+        let message = resolve_with(&scene(&text), &headers)
+            .unwrap_err()
+            .to_string();
+        assert!(message.contains(what), "{message}");
+    }
+}
+
 /// The range of greys fits what is drawn.
 #[test]
 fn grey_ranges_fit_what_is_shown() {

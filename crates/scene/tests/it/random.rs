@@ -163,14 +163,21 @@ fn light(n: &Number) -> BoxedStrategy<Light> {
 }
 
 fn clip(n: &Number) -> BoxedStrategy<Clip> {
-    let plane = (three(n), of(three(n)), of(n.clone())).prop_map(|(normal, point, distance_mm)| {
-        Clip::Plane(PlaneClip {
-            normal,
-            point,
-            distance_mm,
-            objects: None,
-        })
-    });
+    let frame = || {
+        let names = ["volume", "other", "world", "nothing"];
+        of(select(names.map(str::to_owned).to_vec()))
+    };
+    let plane = (three(n), of(three(n)), of(n.clone()), frame()).prop_map(
+        |(normal, point, distance_mm, frame)| {
+            Clip::Plane(PlaneClip {
+                normal,
+                point,
+                distance_mm,
+                frame,
+                objects: None,
+            })
+        },
+    );
     let space = of(select(vec![
         BoxSpace::World,
         BoxSpace::Voxels,
@@ -187,19 +194,22 @@ fn clip(n: &Number) -> BoxedStrategy<Clip> {
         three(n),
         space,
         of(three(n)),
-        keep,
+        (keep, frame()),
         objects,
     )
-        .prop_map(|(shape, min, max, space, rotation_deg, keep, objects)| {
-            [Clip::Box, Clip::Ellipsoid, Clip::Cylinder][shape](BoxClip {
-                min,
-                max,
-                space,
-                rotation_deg,
-                keep,
-                objects,
-            })
-        });
+        .prop_map(
+            |(shape, min, max, space, rotation_deg, (keep, frame), objects)| {
+                [Clip::Box, Clip::Ellipsoid, Clip::Cylinder][shape](BoxClip {
+                    min,
+                    max,
+                    space,
+                    rotation_deg,
+                    keep,
+                    frame,
+                    objects,
+                })
+            },
+        );
     prop_oneof![plane, cut].boxed()
 }
 

@@ -133,12 +133,14 @@ fn tone_maps_get_their_white_points() {
     let header = ct_head();
     let display = |text: &str| plan(&format!(r#"{{ "display": {text} }}"#), &header).display;
     assert_eq!(display("{}"), plan::Display::PLAIN);
+    let [r, g, b, _] = plan("{}", &header).background;
     let found = display(r#"{ "tone_map": "reinhard-extended", "gamma": 2.2, "fxaa": true }"#);
     let expected = plan::Display {
         exposure: 1.0,
         tone_map: plan::ToneMap::ReinhardExtended { white: 4.0 },
         curve: plan::DisplayCurve::Power { gamma: 2.2 },
         fxaa: true,
+        background: Some([r, g, b]),
     };
     assert_eq!(found, expected);
     let hable = |white: f32| plan::ToneMap::Hable { white };

@@ -1,5 +1,6 @@
 //! Linear light → the numbers of a picture file: exposure, tone map, sRGB or a power.
 
+use strahl_scene::linear_from_srgb;
 use strahl_scene::plan::{Display, DisplayCurve, ToneMap};
 
 /// Relative luminance of linear sRGB, ITU-R BT.709.
@@ -10,7 +11,8 @@ const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
 ///
 /// The steps are, in this order: divide by alpha, multiply by the exposure, tone map, encode. The
 /// division comes first so that the colour of a half-transparent pixel is the one that the same
-/// material has where it is opaque. What is not finite becomes 0.
+/// material has where it is opaque. What is not finite becomes 0. A background of the display comes behind the tone
+/// map, in the light that is encoded, so that it has its own colour.
 pub(super) fn display_pixel([r, g, b, a]: [f32; 4], display: &Display) -> [f32; 4] {
     let alpha = if a.is_finite() {
         a.clamp(0.0, 1.0)
@@ -18,17 +20,45 @@ pub(super) fn display_pixel([r, g, b, a]: [f32; 4], display: &Display) -> [f32; 
         0.0
     };
     if alpha == 0.0 {
-        return [0.0; 4];
+        return match display.background {
+            None => [0.0; 4],
+            Some(behind) => {
+                let [r, g, b] = behind.map(srgb_from_linear);
+                [r, g, b, 1.0]
+            }
+        };
     }
     let light = [r, g, b].map(|c| {
         let c = c / alpha * display.exposure;
         if c.is_finite() { c.max(0.0) } else { 0.0 }
     });
-    let [r, g, b] = tone_map(light, display.tone_map).map(|light| match display.curve {
+    let light = tone_map(light, display.tone_map);
+    let [r, g, b] = match display.background {
+        None => light.map(|light| encoded(light, display.curve)),
+        Some(behind) => std::array::from_fn(|c| {
+            // The light that the curve makes the background's colour of.
+            let behind = decoded(srgb_from_linear(behind[c]), display.curve);
+            encoded(
+                alpha * light[c].min(1.0) + (1.0 - alpha) * behind,
+                display.curve,
+            )
+        }),
+    };
+    [r, g, b, display.background.map_or(alpha, |_| 1.0)]
+}
+
+fn encoded(light: f32, curve: DisplayCurve) -> f32 {
+    match curve {
         DisplayCurve::Srgb => srgb_from_linear(light),
         DisplayCurve::Power { gamma } => light.clamp(0.0, 1.0).powf(1.0 / gamma),
-    });
-    [r, g, b, alpha]
+    }
+}
+
+fn decoded(encoded: f32, curve: DisplayCurve) -> f32 {
+    match curve {
+        DisplayCurve::Srgb => linear_from_srgb(f64::from(encoded)) as f32,
+        DisplayCurve::Power { gamma } => encoded.powf(gamma),
+    }
 }
 
 /// Light beyond this is as bright as this, so that no square overflows.

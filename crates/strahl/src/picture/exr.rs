@@ -18,10 +18,11 @@ pub(super) fn is_exr(start: &[u8]) -> bool {
     start.starts_with(&MAGIC)
 }
 
-/// Channels R, G, B, A in 32 or (`half`) 16 bit, compressed without loss; half stops at 65,504. With
-/// `depth_mm`, a channel Z in 32 bit, as the format's conventions call it.
+/// Channels R, G, B, A in 32 or (`half`) 16 bit, compressed without loss; half stops at 65,504. An opaque
+/// `background`, in linear light, is put behind the image. With `depth_mm`, a channel Z in 32 bit, as the format's conventions call it.
 pub(super) fn write(
     image: &Image,
+    background: Option<[f32; 3]>,
     depth_mm: Option<&[f32]>,
     half: bool,
     recipe: Option<&Recipe>,
@@ -30,7 +31,12 @@ pub(super) fn write(
     let size = (image.width() as usize, image.height() as usize);
     let limit = f16::MAX.to_f32();
     let colour = |c: usize| {
-        let numbers = image.pixels().iter().map(move |pixel| pixel[c]);
+        let behind = background.map_or(0.0, |[r, g, b]| [r, g, b, 1.0][c]);
+        let pixels = image.pixels().iter();
+        let numbers = pixels.map(move |pixel| match background {
+            Some(_) => pixel[c] + (1.0 - pixel[3]) * behind,
+            None => pixel[c],
+        });
         if half {
             FlatSamples::F16(
                 numbers

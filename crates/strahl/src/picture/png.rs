@@ -35,10 +35,11 @@ pub(super) fn write(
         _ => 255.0,
     };
     let quantise = |v: f32| (v * levels + 0.5) as u16;
-    let opaque = image
-        .pixels()
-        .iter()
-        .all(|p| quantise(p[3].clamp(0.0, 1.0)) == levels as u16);
+    let opaque = display.background.is_some()
+        || image
+            .pixels()
+            .iter()
+            .all(|p| quantise(p[3].clamp(0.0, 1.0)) == levels as u16);
     let channels = if opaque { 3 } else { 4 };
 
     let mut encoder = Encoder::new(out, image.width(), image.height());

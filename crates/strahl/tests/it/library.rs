@@ -4,6 +4,7 @@ use super::*;
 use std::ops::ControlFlow;
 use std::sync::{Arc, Mutex};
 use strahl::scene::{PlaneClip, TransferPoint};
+use strahl::volume::{Metadata, Rescale, Samples, Volume};
 use strahl::{
     Background, Clip, Color, Control, Error, Recipe, Render, Scene, Session, TransferFunction, Work,
 };
@@ -113,6 +114,56 @@ fn empty_pictures_are_noted() {
         let seen = format!(r##"{{ "method": "first-hit", "background": "{background}" }}"##);
         assert_eq!(notes(&seen), "");
     }
+}
+
+/// On the CPU, more masks than shader programs hold cut as one mask of all that they remove.
+#[test]
+fn many_masks_cut_as_one() {
+    let folder = folder_with_shells();
+    let volume = shells();
+    let slabs = 6;
+    let mask = |removed: &dyn Fn(usize) -> bool| {
+        let kept = (0..16 * 12 * 8).map(|i| u8::from(!removed(i % 16)));
+        let samples = Samples::U8(kept.collect());
+        let made = Volume::new(
+            *volume.grid(),
+            samples,
+            Rescale::IDENTITY,
+            Metadata::default(),
+        );
+        made.unwrap()
+    };
+    for i in 0..slabs {
+        save(&mask(&|x| x == 2 * i), folder.path(), &format!("{i}.nrrd"));
+    }
+    save(
+        &mask(&|x| x % 2 == 0 && x < 2 * slabs),
+        folder.path(),
+        "all.nrrd",
+    );
+    let draw = |files: &[String], graph: &str| {
+        let clips = files.iter();
+        let clips: Vec<_> = clips
+            .map(|file| format!(r#"{{ "mask": {{ "path": "{file}" }} }}"#))
+            .collect();
+        let text = format!(
+            r#"{{ "volume": {{ "path": "shells.nrrd" }}, "size": [20, 16], {graph} "clips": [{}] }}"#,
+            clips.join(", ")
+        );
+        let path = folder.path().join("scene.json");
+        std::fs::write(&path, text).unwrap();
+        let file = strahl::SceneFile::open(&path).unwrap().unwrap();
+        Render::scene_file(file).picture()
+    };
+    let several: Vec<_> = (0..slabs).map(|i| format!("{i}.nrrd")).collect();
+    let one = draw(&["all.nrrd".to_owned()], "").unwrap();
+    let uncut = draw(&[], "").unwrap();
+    assert_eq!(draw(&several, "").unwrap().image, one.image);
+    assert_ne!(uncut.image, one.image);
+    let graph = r#""graph": { "strahl_graph": 1 },"#;
+    assert!(draw(&several[..4], graph).is_ok());
+    let message = draw(&several, graph).unwrap_err().to_string();
+    assert!(message.contains("4 masks, and the scene 6"), "{message}");
 }
 
 #[test]

@@ -3,6 +3,7 @@
 mod examples;
 mod graph;
 mod library;
+mod made_again;
 mod session;
 mod slicing;
 
