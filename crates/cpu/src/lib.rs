@@ -47,6 +47,7 @@ mod march_rays;
 mod mesh_tree;
 mod meshes;
 mod options;
+mod outline;
 mod pools;
 mod prepared;
 mod raster;

@@ -114,7 +114,9 @@ impl<S: Level> Packet<'_, S> {
         match self.scenery.objects.as_slice() {
             [object] => match self.scenery.composite {
                 Composite::EmissionAbsorption { .. } => self.by_rule(object),
-                Composite::FirstHit { .. } => self.at_lattice_points(object),
+                Composite::FirstHit { .. } | Composite::Mida { .. } => {
+                    self.at_lattice_points(object);
+                }
                 _ => self.through_one(object),
             },
             _ => self.through_several(),

@@ -11,7 +11,7 @@ pub struct Options {
     pub threads: usize,
     /// Edge of a tile in pixels, > 0.
     pub tile: u32,
-    /// Whether bricks that cannot show anything are left out.
+    /// Whether bricks that cannot show anything are left out, and rays that meet no volume.
     pub skip: bool,
     /// The instructions to draw with; `None` takes what `STRAHL_SIMD` says, or the fastest that the
     /// processor has.

@@ -14,6 +14,7 @@ use crate::library::jitter::Jitters;
 use crate::library::reconstruct::{Values, of_voxels, values};
 use crate::making::Making;
 use crate::meshes::Meshes;
+use crate::outline::Outline;
 use crate::rejection::{CubicBounds, Rejection};
 use crate::scenery::{Known, Object, Scenery, Stored};
 use crate::segment_numbers::SegmentNumbers;
@@ -40,6 +41,7 @@ pub struct Prepared {
     hidden: Option<Arc<Skip>>,
     jitters: Jitters,
     meshes: Meshes,
+    outline: Option<Outline>,
     /// For bricks, and for the rest.
     pub bricks_seconds: f64,
     pub seconds: f64,
@@ -87,6 +89,7 @@ impl Prepared {
             hidden,
             jitters: Jitters::find(plan.lattice.jitter, making.store, making.control)?,
             meshes: Meshes::new(making, &data.meshes)?,
+            outline: skips.then(|| Outline::of(plan)).flatten(),
             bricks_seconds,
             seconds: start.seconds() - bricks_seconds,
         })
@@ -146,6 +149,7 @@ impl Prepared {
             important_places: ImportantPlaces::new(plan, &masks),
             jitters: self.jitters,
             meshes: &self.meshes,
+            outline: self.outline,
             composite: plan.composite(),
         })
     }

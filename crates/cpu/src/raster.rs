@@ -27,6 +27,12 @@ impl Raster {
         [number(plan.width, 0), number(plan.height, 1)]
     }
 
+    /// Column and row of the picture of one of these pixels.
+    pub fn pixel(&self, [x, y]: [u32; 2]) -> [u32; 2] {
+        let Raster { first, stride } = self;
+        [first[0] + x * stride[0], first[1] + y * stride[1]]
+    }
+
     /// Number of tiles with this edge.
     pub fn tiles(&self, plan: &Plan, edge: u32) -> usize {
         let [width, height] = self.size(plan);

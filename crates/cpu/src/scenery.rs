@@ -13,6 +13,7 @@ use crate::library::jitter::Jitters;
 use crate::library::reconstruct::Values;
 use crate::library::shade::{Place, Shading};
 use crate::meshes::Meshes;
+use crate::outline::Outline;
 use crate::rejection::Rejection;
 use crate::segment_numbers::SegmentNumbers;
 use crate::skip::Skip;
@@ -34,6 +35,8 @@ pub struct Scenery<'p, S: Level> {
     pub important_places: Option<ImportantPlaces<'p, S>>,
     pub jitters: Jitters,
     pub meshes: &'p Meshes,
+    /// Outside of it nothing is to be seen; where that is known and rays may be left out.
+    pub outline: Option<Outline>,
 }
 
 /// A volume in the picture.
@@ -184,7 +187,7 @@ impl<'p, S: Level> Object<'p, S> {
             Composite::EmissionAbsorption { .. } => {
                 self.classify == Classify::Table && self.shading.is_of_single_samples()
             }
-            Composite::FirstHit { .. } => true,
+            Composite::FirstHit { .. } | Composite::Mida { .. } => true,
             _ => false,
         };
         let skips = self.skip.as_ref().is_none_or(Skip::has_cubes);

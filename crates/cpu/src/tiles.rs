@@ -155,11 +155,26 @@ fn draw_tile<S: Level>(
     let [x0, y0] = tile.corner;
     let end = [(x0 + width) as u32, (y0 + height) as u32];
     let frames = scenery.plan.lattice.frames;
+    // As what is behind nothing, without a sign of 0.
+    let nothing = scenery.plan.background.map(|c| 0.0 + c);
+    let is_outside = |first: [u32; 2], size: [usize; 2]| {
+        let last = [first[0] + size[0] as u32 - 1, first[1] + size[1] as u32 - 1];
+        let outline = scenery.outline.as_ref().filter(|_| states.is_none());
+        outline.is_some_and(|outline| outline.misses(raster.pixel(first), raster.pixel(last)))
+    };
+    if is_outside([x0 as u32, y0 as u32], [width, height]) {
+        tile.rows.iter_mut().for_each(|row| row.fill(nothing));
+        return counts;
+    }
     let mut sums = [[0.0f64; 4]; LANES];
     for y in (0..height).step_by(PACKET[1]) {
         for x in (0..width).step_by(PACKET[0]) {
             let place = [x, y];
             let corner = [(x0 + x) as u32, (y0 + y) as u32];
+            if is_outside(corner, PACKET) {
+                write(&[nothing; LANES], &mut tile.rows, place);
+                continue;
+            }
             for frame in 0..frames {
                 if parts.is_cancelled() {
                     return counts;

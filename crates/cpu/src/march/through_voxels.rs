@@ -1,4 +1,4 @@
-//! The ray loop of most pictures: emission and absorption through a table, or the first hit, in one volume of
+//! The ray loop of most pictures: emission and absorption through a table, MIDA, or the first hit, in one volume of
 //! trilinear values. It gives the bytes of [`Packet::forwards`], which does the same with any functions.
 //!
 //! What it does otherwise: it is compiled for each type of sample, so that position and cell serve the
@@ -10,8 +10,9 @@ use super::packet::Packet;
 use crate::lanes::{F32s, I32s, LANES, Mask, Vec3s, each, lanes, to_rows};
 use crate::levels::{Level, inlined, vectorized};
 use crate::library::classify::Surface;
-use crate::library::composite::emission_absorption;
 use crate::library::composite::first_hit::FirstHit;
+use crate::library::composite::mida::Mida;
+use crate::library::composite::{self, Crossing, Rule, emission_absorption};
 use crate::library::fetch::{Fetch, Linear, Shape};
 use crate::library::reconstruct::trilinear;
 use crate::scenery::{Object, Stored};
@@ -52,12 +53,26 @@ impl<S: Level> Packet<'_, S> {
 
     #[inline(always)]
     fn through<T: Sample>(&mut self, object: &Object<S>, voxels: &Linear<T>) {
-        if let Composite::FirstHit { threshold } = self.scenery.composite {
-            self.until_hit(object, voxels, FirstHit { threshold });
-        } else if object.shading.is_unlit() {
-            self.unlit(object, voxels);
-        } else {
-            self.lit(object, voxels);
+        match self.scenery.composite {
+            Composite::FirstHit { threshold } => {
+                self.until_hit(object, voxels, FirstHit { threshold });
+            }
+            Composite::Mida {
+                low,
+                high,
+                blend,
+                stop_at_transmittance,
+            } => {
+                let rule = Mida {
+                    low,
+                    high,
+                    blend,
+                    stop_at_transmittance,
+                };
+                self.fading(object, voxels, rule);
+            }
+            _ if object.shading.is_unlit() => self.unlit(object, voxels),
+            _ => self.lit(object, voxels),
         }
     }
 
@@ -72,6 +87,38 @@ impl<S: Level> Packet<'_, S> {
                     #[inline(always)]
                     |packet, _, k, value, sampled, _| {
                         rule.meet(&mut packet.state, k, value, sampled)
+                    },
+                );
+            },
+        );
+    }
+
+    #[inline(never)]
+    fn fading<T: Sample>(&mut self, object: &Object<S>, voxels: &Linear<T>, rule: Mida) {
+        vectorized::<S, _>(
+            #[inline(always)]
+            || {
+                let to_eye = self.to_eye;
+                let crossing = Crossing {
+                    scenery: self.scenery,
+                    object,
+                    packet: self.rays,
+                    to_eye: &to_eye,
+                };
+                self.walk(
+                    object,
+                    voxels,
+                    #[inline(always)]
+                    |packet, position, k, value, sampled, stride| {
+                        let sample = composite::Sample {
+                            crossing,
+                            k,
+                            stride,
+                            position,
+                            value,
+                            sampled,
+                        };
+                        rule.add(&mut packet.state, &sample)
                     },
                 );
             },
