@@ -46,6 +46,10 @@ pub fn run(root: &Path) -> Result<bool> {
         let check = ["check", "--quiet", "--package", "strahl"];
         succeeds(cargo(root).args(check).arg("--no-default-features"))
     })?;
+    steps.run("the program without its optional features", || {
+        let check = ["check", "--quiet", "--package", "strahl-cli"];
+        succeeds(cargo(root).args(check).arg("--no-default-features"))
+    })?;
     steps.run("what a browser needs", || for_browsers(root))?;
     steps.run("licenses", || {
         third_party::run(root, &third_party::Arguments::default())

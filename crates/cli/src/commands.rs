@@ -2,12 +2,15 @@
 
 mod convert;
 mod draw;
+#[cfg(feature = "graph")]
 mod graph;
 mod info;
 mod load;
 mod presets;
 mod scene;
+#[cfg(feature = "graph")]
 mod shader;
+#[cfg(feature = "sim")]
 pub mod sim;
 
 use crate::flags::{Command, CompletionsFlags, Flags, ManFlags};
@@ -24,9 +27,12 @@ pub fn run(flags: Flags) -> Result<()> {
         Command::Info(flags) => info::run(&flags, quiet),
         Command::Convert(flags) => convert::run(&flags, quiet),
         Command::Scene(command) => scene::run(&command, quiet),
+        #[cfg(feature = "graph")]
         Command::Shader(command) => shader::run(&command),
+        #[cfg(feature = "graph")]
         Command::Graph(command) => graph::run(&command, quiet),
         Command::Presets(flags) => presets::run(&flags),
+        #[cfg(feature = "sim")]
         Command::Sim(command) => sim::run(&command, quiet),
         Command::Completions(flags) => completions(&flags),
         Command::Man(flags) => manual(&flags),

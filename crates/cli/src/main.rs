@@ -19,6 +19,7 @@ fn main() -> ExitCode {
     // A signal may arrive at any time, also while a file is read or written. Unfinished files are
     // removed here, so that no other code has to check for signals.
     let handler = ctrlc::set_handler(|| {
+        #[cfg(feature = "sim")]
         if commands::sim::stop() {
             return;
         }

@@ -1,8 +1,13 @@
 //! What a user can do about an error, in terms of command-line flags, which libraries do not know.
 
+#[cfg(feature = "gpu")]
+use strahl::gpu;
+#[cfg(feature = "graph")]
 use strahl::program::SlicingError;
 use strahl::volume::Remedy;
-use strahl::{Error, Note, evaluate, gpu, graph, shader, volume};
+use strahl::{Error, Note, volume};
+#[cfg(feature = "graph")]
+use strahl::{evaluate, graph, shader};
 
 /// What to change on the command line to avoid `error`, if anything helps.
 pub fn of(error: &anyhow::Error) -> Option<String> {
@@ -18,9 +23,13 @@ pub fn of(error: &anyhow::Error) -> Option<String> {
 fn of_picture(error: &Error) -> Option<String> {
     let remedy = match error {
         Error::Volume(error) => return Some(of_volume(error.remedy()?)),
+        #[cfg(feature = "gpu")]
         Error::Gpu(error) => return of_gpu(error),
+        #[cfg(feature = "graph")]
         Error::Evaluate(evaluate::Error::NotCovered { .. }) => "draw with --backend gpu",
+        #[cfg(feature = "graph")]
         Error::Evaluate(evaluate::Error::Slicing(SlicingError::Depth)) => NO_DEPTH,
+        #[cfg(feature = "graph")]
         Error::Evaluate(evaluate::Error::Shader(shader::Error::Sampling { .. }))
         | Error::Shader(shader::Error::Sampling { .. })
         | Error::Graph(graph::Error::Sampling { .. }) => NO_GRAPH,
@@ -44,10 +53,14 @@ pub fn of_note(note: &Note) -> Option<&'static str> {
     }
 }
 
+#[cfg(feature = "gpu")]
 const ON_CPU: &str = "draw with --backend cpu";
+#[cfg(feature = "graph")]
 const NO_GRAPH: &str = "draw with --backend cpu and without --graph";
+#[cfg(feature = "graph")]
 const NO_DEPTH: &str = "remove --depth";
 
+#[cfg(feature = "gpu")]
 fn of_gpu(error: &gpu::Error) -> Option<String> {
     let remedy = match error {
         gpu::Error::NoAdapter
@@ -59,7 +72,9 @@ fn of_gpu(error: &gpu::Error) -> Option<String> {
         | gpu::Error::LabelsTooLarge { .. }
         | gpu::Error::NoBlending { .. } => ON_CPU,
         gpu::Error::NoSuchAdapter { .. } => "`strahl info --adapters` lists them",
+        #[cfg(feature = "graph")]
         gpu::Error::Slicing(SlicingError::Depth) => NO_DEPTH,
+        #[cfg(feature = "graph")]
         gpu::Error::Shader(shader::Error::Sampling { .. }) => NO_GRAPH,
         _ => return None,
     };

@@ -45,6 +45,7 @@ pub fn demo(flags: &DemoFlags, quiet: bool) -> Result<()> {
 }
 
 /// What the files that were named ask to draw: a volume, a scene, or a scene with another volume.
+#[cfg(feature = "graph")]
 pub fn subject(inputs: &[PathBuf], read: &ReadFlags, quiet: bool) -> Result<Render<'static>> {
     subject_within(inputs, read, &TrustFlags::default(), quiet)
 }

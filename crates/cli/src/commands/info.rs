@@ -65,7 +65,15 @@ impl Content {
     }
 }
 
+#[cfg(not(feature = "gpu"))]
+fn adapters(_json: bool) -> Result<()> {
+    anyhow::bail!(
+        "this program was built without the feature `gpu`, so it uses no graphics adapter"
+    )
+}
+
 /// The graphics adapters, the best first.
+#[cfg(feature = "gpu")]
 fn adapters(json: bool) -> Result<()> {
     let adapters = strahl::gpu::adapters();
     if json {

@@ -8,6 +8,7 @@ use std::path::PathBuf;
 use strahl::volume::read::LoadedVolume;
 
 /// Reads a volume with progress; its notes are left to the caller.
+#[cfg(feature = "sim")]
 pub fn load(paths: &[PathBuf], flags: &ReadFlags, quiet: bool) -> Result<LoadedVolume> {
     load_labels(paths, flags, &LabelFlags::default(), quiet)
 }

@@ -11,6 +11,7 @@ use strahl::{Output, Render, SceneFile, seen_from};
 
 pub fn run(command: &SceneCommand, quiet: bool) -> Result<()> {
     match command {
+        #[cfg(feature = "schema")]
         SceneCommand::Schema => print::out(&strahl::scene::schema()),
         SceneCommand::Check(flags) => check(flags, quiet),
         SceneCommand::Show(flags) => show(flags, quiet),
