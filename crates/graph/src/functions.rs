@@ -618,14 +618,9 @@ pub fn of_uniform(ty: &str) -> Result<Function, String> {
     of_module(Arc::new(module.map_err(|error| error.to_string())?))
 }
 
-/// The screen-space derivative that a function calls, if it calls one.
-fn derivative(source: &str) -> Option<&str> {
-    let code = source.lines().filter_map(|line| line.split("//").next());
-    let mut words = code.flat_map(|code| code.split(|c: char| !(c.is_alphanumeric() || c == '_')));
-    words.find(|word| {
-        let function = word.trim_end_matches("Fine").trim_end_matches("Coarse");
-        matches!(function, "dpdx" | "dpdy" | "fwidth")
-    })
+fn is_derivative(word: &str) -> bool {
+    let function = word.trim_end_matches("Fine").trim_end_matches("Coarse");
+    matches!(function, "dpdx" | "dpdy" | "fwidth")
 }
 
 /// Reads what the comment of the function says of its ports: lines `name: meaning, default X, words`.
@@ -637,7 +632,7 @@ fn of_module(module: Arc<Module>) -> Result<Function, String> {
             module.file()
         ));
     }
-    if let Some(derivative) = derivative(module.source()) {
+    if let Some(derivative) = module.words().find(|word| is_derivative(word)) {
         return Err(format!(
             "{} calls `{derivative}`, which compares neighboring pixels of the screen; a ray cannot read other rays",
             module.file()

@@ -14,7 +14,8 @@ use naga::valid::{
 use naga::{
     Expression, Function, Handle, ScalarKind, ShaderStage, Statement, TypeInner, VectorSize,
 };
-use std::collections::BTreeSet;
+use std::borrow::Cow;
+use std::collections::{BTreeSet, HashSet};
 use std::fmt::Write;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::ops::Range;
@@ -80,12 +81,13 @@ pub struct Ports {
 
 impl Module {
     /// Reads and checks a function that stands in no slot but is a node of a graph: any arguments, any
-    /// result. Of several functions it is the one that no other calls.
+    /// result. Of several functions it is the one that no other calls. Functions with names of functions that every
+    /// module may call get other names.
     ///
     /// # Errors
     /// As [`Module::parse`]; and if no function or several could be meant, or one has the name of a slot's.
     pub fn node(name: &str, file: &str, source: &str) -> Result<Module, Error> {
-        Module::checked(name, file, source, false, true)
+        Module::checked(name, file, &with_free_names(source), false, true)
     }
 
     /// Reads and checks a node of a library: its loops end.
@@ -873,6 +875,38 @@ fn reason(error: &ValidationError, naga: &naga::Module) -> String {
         reason = source;
     }
     reason.to_string()
+}
+
+/// `source`, in which no function of its own has a name of [`SUPPLIED`].
+fn with_free_names(source: &str) -> Cow<'_, str> {
+    let tokens = tokens(source);
+    let own = declarations(source, &tokens).into_iter();
+    let taken: Vec<String> = own
+        .filter(|own| own.kind == DeclarationKind::Function)
+        .map(|own| own.name)
+        .filter(|name| SUPPLIED.iter().any(|function| function.name == name))
+        .collect();
+    if taken.is_empty() {
+        return source.into();
+    }
+    let words: HashSet<&str> = tokens.iter().map(|token| token.text(source)).collect();
+    let mut text = String::with_capacity(source.len());
+    let mut copied = 0;
+    for pair in tokens.windows(2) {
+        let name = pair[0].text(source);
+        // Only names of functions stand before a parenthesis.
+        if pair[1].is(b'(') && taken.iter().any(|taken| taken == name) {
+            let mut free = format!("own_{name}");
+            while words.contains(free.as_str()) {
+                free.insert_str(0, "own_");
+            }
+            text.push_str(&source[copied..pair[0].span.start]);
+            text.push_str(&free);
+            copied = pair[0].span.end;
+        }
+    }
+    text.push_str(&source[copied..]);
+    text.into()
 }
 
 fn is_taken(name: &str) -> bool {

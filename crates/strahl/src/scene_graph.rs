@@ -9,8 +9,8 @@ use std::fs;
 use std::io::Read;
 use std::path::Path;
 use strahl_graph::{
-    CompiledGraph, Compiler, EditList, EditedGraph, GraphUse, MOST_GRAPH_BYTES, Patterns, Problem,
-    Texture, edited, pre_integrated, standard, unfolded,
+    CompiledGraph, Compiler, Edit, EditList, EditedGraph, GraphUse, MOST_GRAPH_BYTES, Patterns,
+    Problem, Texture, edited, pre_integrated, standard, unfolded,
 };
 use strahl_program::{Functions, Table2d};
 use strahl_scene::plan::Plan;
@@ -229,6 +229,20 @@ impl SceneGraph {
             })
         };
         let lists = &self.asked.edits;
+        // The message about a node that a list adds names the cause already.
+        let is_added = |problem: &Problem| {
+            let commands = lists.iter().flat_map(|list| &list.commands);
+            let mut added = commands.filter_map(|command| match command {
+                Edit::Add(nodes) => Some(nodes),
+                _ => None,
+            });
+            let place = problem.place.strip_prefix("nodes.");
+            let name = place.and_then(|rest| rest.split('.').next());
+            added.any(|nodes| nodes.iter().any(|node| Some(node.name.as_str()) == name))
+        };
+        if problems.iter().all(is_added) {
+            return strahl_graph::Error::Graph { file, problems };
+        }
         let culprit = (0..lists.len()).find(|last| fails(&lists[..=*last]));
         if let (Some(culprit), None) = (culprit, &self.asked.graph) {
             let method = plan.technique().composite.function().word;

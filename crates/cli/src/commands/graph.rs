@@ -78,11 +78,17 @@ fn check_one(path: &Path, quiet: bool) -> Result<String> {
     for note in &ready.notes {
         print::note(note, quiet);
     }
-    let nodes = graph.graph(&plan)?.graph.nodes.len();
+    let edited = graph.graph(&plan)?.graph;
     let cost = ready.compiled.program.cost();
+    // A program that draws slices has no loop: each pixel of a slice is a sample.
+    let (work, of) = match edited.slicing {
+        Some(_) => (cost.per_ray + cost.per_sample, "pixel of a slice"),
+        None => (cost.per_sample, "sample"),
+    };
     Ok(format!(
-        "{nodes} nodes; at most {} texture reads per sample",
-        cost.per_sample.texture_reads
+        "{} nodes; at most {} texture reads per {of}",
+        edited.nodes.len(),
+        work.texture_reads
     ))
 }
 

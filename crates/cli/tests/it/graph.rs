@@ -48,6 +48,14 @@ fn graphs_are_shown_checked_and_printed() {
         said.starts_with("red.graph.json: ") && said.contains(" nodes; at most "),
         "{said}"
     );
+    // Every pixel of a slice is a sample.
+    let slices = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../examples/graphs/slicing.json"
+    );
+    let reads = run_well(at, &["graph", "check", slices]);
+    let per_slice = reads.contains("per pixel of a slice") && !reads.contains("at most 0 ");
+    assert!(per_slice, "{reads}");
     let shown = run_well(at, &["graph", "show", "red.graph.json"]);
     assert!(
         shown.contains(r#""after_shade_color": { "anchor": "red" }"#),

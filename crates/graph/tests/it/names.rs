@@ -168,3 +168,14 @@ fn one_function_of_many_nodes_stands_once_in_the_program() {
     );
     assert_eq!(computed(&text)[0], 12.0);
 }
+
+/// A function may have the name of one that every module may call: it hides that one within its text.
+#[test]
+fn functions_may_be_called_as_those_that_every_module_may_call() {
+    let node = r#""n": { "wgsl": [
+        "fn look(dims: f32) -> f32 { return dims + 1.0; }",
+        "fn own_table() -> f32 { return 0.5; }",
+        "fn table(x: f32) -> f32 { return look(x) * own_table(); }"
+    ], "inputs": { "x": 0.25 } }"#;
+    assert_eq!(computed(&showing(node, "n"))[0], 0.625);
+}
