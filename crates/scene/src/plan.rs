@@ -764,6 +764,8 @@ pub struct Display {
     pub curve: DisplayCurve,
     /// Whether jagged edges of the encoded picture are smoothed.
     pub fxaa: bool,
+    /// Whether encoded colors become their negative.
+    pub invert: bool,
     /// An opaque background, in linear light, that is put behind the picture after the tone map, so that it keeps its
     /// color. The background of the Plan is transparent then. `None` if exposure, tone map and curve do not change
     /// light from 0 to 1: the picture contains its background.
@@ -777,6 +779,7 @@ impl Display {
         tone_map: ToneMap::Clamp,
         curve: DisplayCurve::Srgb,
         fxaa: false,
+        invert: false,
         background: None,
     };
 

@@ -210,6 +210,9 @@ pub struct Display {
     /// Smooths jagged edges of the finished picture (FXAA).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fxaa: Option<bool>,
+    /// Makes the negative of the finished colors: white becomes black, as figures in print often are. Opacity stays.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub invert: Option<bool>,
 }
 
 /// The tone map: how light above white is compressed.
@@ -285,6 +288,7 @@ pub(crate) struct SettledDisplay {
     /// `None`: the curve of sRGB.
     pub gamma: Option<f64>,
     pub fxaa: bool,
+    pub invert: bool,
 }
 
 impl Display {
@@ -312,6 +316,7 @@ impl Display {
             },
             gamma: self.gamma.or(preset.gamma),
             fxaa: self.fxaa.or(preset.fxaa).unwrap_or(false),
+            invert: self.invert.or(preset.invert).unwrap_or(false),
         }
     }
 }
@@ -328,6 +333,7 @@ impl SettledDisplay {
                 .map(|_| self.white_point),
             gamma: self.gamma,
             fxaa: Some(self.fxaa),
+            invert: Some(self.invert),
         }
     }
 
@@ -358,6 +364,7 @@ impl SettledDisplay {
                     gamma: gamma as f32,
                 },
             },
+            invert: self.invert,
             fxaa: self.fxaa,
             background: None,
         }

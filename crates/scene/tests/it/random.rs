@@ -396,6 +396,7 @@ fn scene(n: Number) -> BoxedStrategy<Scene> {
                             white_point,
                             gamma,
                             fxaa,
+                            invert: fxaa.map(|fxaa| !fxaa),
                         }
                     }),
                 }

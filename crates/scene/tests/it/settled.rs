@@ -140,6 +140,7 @@ fn tone_maps_get_their_white_points() {
         tone_map: plan::ToneMap::ReinhardExtended { white: 4.0 },
         curve: plan::DisplayCurve::Power { gamma: 2.2 },
         fxaa: true,
+        invert: false,
         background: Some([r, g, b]),
     };
     assert_eq!(found, expected);

@@ -9,11 +9,20 @@ const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
 /// A pixel as PNG wants it: encoded colour that is not multiplied by alpha, and alpha, all in
 /// 0..=1.
 ///
-/// The steps are, in this order: divide by alpha, multiply by the exposure, tone map, encode. The
+/// The steps are, in this order: divide by alpha, multiply by the exposure, tone map, encode, invert. The
 /// division comes first so that the colour of a half-transparent pixel is the one that the same
 /// material has where it is opaque. What is not finite becomes 0. A background of the display comes behind the tone
 /// map, in the light that is encoded, so that it has its own colour.
-pub(super) fn display_pixel([r, g, b, a]: [f32; 4], display: &Display) -> [f32; 4] {
+pub(super) fn display_pixel(pixel: [f32; 4], display: &Display) -> [f32; 4] {
+    let [r, g, b, a] = positive(pixel, display);
+    match display.invert && a > 0.0 {
+        true => [1.0 - r, 1.0 - g, 1.0 - b, a],
+        false => [r, g, b, a],
+    }
+}
+
+/// The same before it becomes its negative.
+fn positive([r, g, b, a]: [f32; 4], display: &Display) -> [f32; 4] {
     let alpha = if a.is_finite() {
         a.clamp(0.0, 1.0)
     } else {
@@ -123,6 +132,28 @@ mod tests {
     use super::*;
 
     const PLAIN: Display = Display::PLAIN;
+
+    #[test]
+    fn a_negative_has_the_other_numbers_and_the_same_opacity() {
+        let negative = Display {
+            invert: true,
+            ..PLAIN
+        };
+        let found = display_pixel([0.0, 1.0, 0.0, 1.0], &negative);
+        let off = (0..4).map(|c| (found[c] - [1.0, 0.0, 1.0, 1.0][c]).abs());
+        assert!(off.fold(0.0, f32::max) < 1e-6, "{found:?}");
+        let grey = 0.5 * linear_from_srgb(0.25) as f32;
+        let found = display_pixel([grey, grey, grey, 0.5], &negative);
+        let is_near = found[..3].iter().all(|c| (c - 0.75).abs() < 1e-5);
+        assert!(is_near && found[3] == 0.5, "{found:?}");
+        // What is not there is no white.
+        assert_eq!(display_pixel([0.0; 4], &negative), [0.0; 4]);
+        let behind = Display {
+            background: Some([0.0; 3]),
+            ..negative
+        };
+        assert_eq!(display_pixel([0.0; 4], &behind), [1.0; 4]);
+    }
 
     #[test]
     fn known_values_of_srgb() {
