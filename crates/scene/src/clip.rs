@@ -1,7 +1,7 @@
 //! Planes, boxes, masks and the like that cut parts away, as people write them.
 
+use crate::frame::PlacedFrame;
 use crate::object::{OWN_VOLUME, WORLD};
-use crate::places::PlacedFrame;
 use crate::plan::{ALL_LAYERS, ClipPlane, ClipShape, LayerSet, MOST_MASKS, SampleClip};
 use crate::problem::{Checker, Problems, Within};
 use glam::{DAffine3, DMat3, DQuat, DVec3, EulerRot};

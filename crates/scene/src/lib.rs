@@ -31,6 +31,7 @@ mod color_map;
 mod composite;
 mod drawable;
 mod emptiness;
+mod frame;
 mod function;
 mod graph_text;
 mod headers;

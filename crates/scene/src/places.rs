@@ -1,5 +1,6 @@
 //! Where everything of a scene lies in the world.
 
+use crate::frame::PlacedFrame;
 use crate::object::{OWN_VOLUME, placements};
 use crate::problem::Checker;
 use crate::{Headers, Scene, SceneObject};
@@ -30,14 +31,6 @@ pub(crate) struct PlacedVolume {
     pub grid: Grid,
     /// Where the voxels of the level that is drawn lie.
     pub drawn: Grid,
-}
-
-/// The frame of an object, in which clips may lie.
-pub(crate) struct PlacedFrame {
-    pub name: String,
-    pub world_from_object: DAffine3,
-    /// Where the voxels of level 0 lie, if the object shows a volume.
-    pub grid: Option<Grid>,
 }
 
 /// A mesh that is drawn.

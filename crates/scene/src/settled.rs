@@ -6,8 +6,9 @@
 use crate::camera::SettledCamera;
 use crate::clip::SettledClip;
 use crate::composite::{DepthView, SettledComposite};
+use crate::frame::PlacedFrame;
 use crate::light::SettledLight;
-use crate::places::{PlacedFrame, PlacedMesh, PlacedVolume, Places};
+use crate::places::{PlacedMesh, PlacedVolume, Places};
 use crate::problem::Checker;
 use crate::sampling::SettledSampling;
 use crate::scene::SettledDisplay;
