@@ -33,6 +33,7 @@ mod elementary;
 mod error;
 mod even;
 mod hidden_segments;
+mod idle_segments;
 mod important_places;
 #[cfg(feature = "bench-kernels")]
 #[doc(hidden)]
@@ -62,6 +63,7 @@ mod scenery;
 mod segment_numbers;
 mod skip;
 mod strides;
+mod technique_bricks;
 mod tiles;
 
 pub use error::Error;

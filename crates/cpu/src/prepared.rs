@@ -5,6 +5,7 @@ use crate::clipped::ClippedBricks;
 use crate::error::Error;
 use crate::even::EvenCubes;
 use crate::hidden_segments::hidden_segments;
+use crate::idle_segments::idle_segments;
 use crate::important_places::ImportantPlaces;
 use crate::levels::Level;
 use crate::library::classify::Integrals;
@@ -20,6 +21,7 @@ use crate::scenery::{Known, Object, Scenery, Stored};
 use crate::segment_numbers::SegmentNumbers;
 use crate::skip::Skip;
 use crate::strides::Strides;
+use crate::technique_bricks::TechniqueBricks;
 use std::sync::Arc;
 use strahl_scene::Source;
 use strahl_scene::plan::{Fetch, Field, Plan, Reconstruct, Sampling};
@@ -39,6 +41,8 @@ pub struct Prepared {
     label_numbers: Option<Arc<LabelNumbers>>,
     /// Where its segments are all hidden.
     hidden: Option<Arc<Skip>>,
+    /// Where the one segment shows nothing.
+    idle: Option<Arc<Option<Skip>>>,
     jitters: Jitters,
     meshes: Meshes,
     outline: Option<Outline>,
@@ -58,6 +62,7 @@ impl Prepared {
         let start = Stopwatch::start();
         let (mut sources, mut known) = (Vec::new(), Vec::new());
         let mut bricks_seconds = 0.0;
+        let mut bricks_of_labelled = None;
         for (layer, field) in plan.drawn_fields().enumerate() {
             let source = Source::new(field, data, |own| {
                 let make = || own.b_spline_coefficients_under(making.control);
@@ -68,25 +73,33 @@ impl Prepared {
             bricks_seconds += bricks_start.seconds();
             known.push(match plan.labelled() {
                 // Every lattice point says whether a run ends.
-                Some(_) => Known::default(),
+                Some(_) => {
+                    bricks_of_labelled = Some((reading.source.volume.id(), reading.bricks.clone()));
+                    Known::default()
+                }
                 None => reading.known(making, &data.masks, plan, layer, skips)?,
             });
             sources.push(reading.source);
         }
         let label_numbers = label_numbers(making, data, plan)?;
-        let hidden = match (plan.labelled(), label_numbers.as_deref()) {
-            (Some(labelled), Some(numbers)) if skips => {
-                let id = data.labels[labelled.labels].content_id();
-                hidden_segments(making, plan, (id, numbers))?
-            }
-            _ => None,
-        };
+        let (mut hidden, mut idle) = (None, None);
+        if let (Some(labelled), Some(numbers), Some((source, bricks))) = (
+            plan.labelled(),
+            label_numbers.as_deref(),
+            bricks_of_labelled.filter(|_| skips),
+        ) {
+            let labels = (data.labels[labelled.labels].content_id(), numbers);
+            let known = TechniqueBricks::new(making, plan, (source, &bricks))?;
+            hidden = hidden_segments(making, plan, &known, labels)?;
+            idle = idle_segments(making, plan, (bricks.dims(), &known), labels)?;
+        }
         Ok(Prepared {
             sources,
             known,
             masks: data.masks.clone(),
             label_numbers,
             hidden,
+            idle,
             jitters: Jitters::find(plan.lattice.jitter, making.store, making.control)?,
             meshes: Meshes::new(making, &data.meshes)?,
             outline: skips.then(|| Outline::of(plan)).flatten(),
@@ -129,8 +142,9 @@ impl Prepared {
             )
         };
         let numbers = self.label_numbers.as_deref();
-        let segments =
-            numbers.and_then(|numbers| SegmentNumbers::new(plan, numbers, self.hidden.clone()));
+        let segments = numbers.and_then(|numbers| {
+            SegmentNumbers::new(plan, numbers, self.hidden.clone(), self.idle.clone())
+        });
         let segments = segments.map(Arc::new);
         let of_segments = |technique| {
             let known = Known {

@@ -42,6 +42,8 @@ pub struct SegmentNumbers<'n> {
     segments: NumberedSegments,
     /// Where all segments are hidden, if that is known.
     pub skip: Option<Arc<Skip>>,
+    /// Where the technique of the one segment shows nothing, if that is known.
+    pub idle: Option<Arc<Option<Skip>>>,
     /// How runs become a pixel.
     pub rule: GlobalRule,
     /// Those of the segments.
@@ -58,6 +60,7 @@ impl<'n> SegmentNumbers<'n> {
         plan: &Plan,
         labels: &'n LabelNumbers,
         skip: Option<Arc<Skip>>,
+        idle: Option<Arc<Option<Skip>>>,
     ) -> Option<SegmentNumbers<'n>> {
         let labelled = plan.labelled()?;
         let segments = labelled.numbered(&labels.ids);
@@ -75,6 +78,7 @@ impl<'n> SegmentNumbers<'n> {
             most_important: importances.fold(0.0, f32::max) + gain_of_places,
             segments,
             skip,
+            idle,
             rule: plan.global_rule,
             groups: labelled.groups.clone(),
         })
@@ -280,6 +284,24 @@ impl<'n> SegmentNumbers<'n> {
     #[inline(never)]
     fn heaviest(&self, cell: &Cell) -> u32 {
         let (numbers, weights) = (self.numbers_around(cell), cell.weights());
+        // Mostly there are two, whose weights add up in the same order.
+        let first = numbers[0];
+        let second = numbers.into_iter().find(|&number| number != first);
+        let second = second.unwrap_or(first);
+        let (mut of_first, mut of_second, mut are_two) = (0.0, 0.0, true);
+        for (number, weight) in numbers.into_iter().zip(weights) {
+            let (is_first, is_second) = (number == first, number == second);
+            of_first += if is_first { weight } else { 0.0 };
+            of_second += if is_second { weight } else { 0.0 };
+            are_two &= is_first | is_second;
+        }
+        if are_two {
+            return match of_first.total_cmp(&of_second) {
+                std::cmp::Ordering::Greater => first,
+                std::cmp::Ordering::Less => second,
+                std::cmp::Ordering::Equal => first.min(second),
+            };
+        }
         let (mut heaviest, mut largest) = (u32::MAX, 0.0);
         for number in numbers {
             let mut weight = 0.0;

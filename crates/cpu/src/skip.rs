@@ -333,6 +333,26 @@ impl Skip {
         })
     }
 
+    /// Leaves out all bricks but the `visible` ones, and of those the `single` ones without what lies ahead of them.
+    pub fn of_visible_and_single(
+        dims: [usize; 3],
+        visible: &[bool],
+        single: &[bool],
+        control: &Control,
+    ) -> Result<Skip, Cancelled> {
+        let mut bricks = Knowledge::of_visible(dims, visible, control)?;
+        if let Knowledge::Cubes(cubes) = &mut bricks {
+            for octant in cubes.chunks_exact_mut(visible.len()).take(8) {
+                let single = octant.iter_mut().zip(single).filter(|(_, single)| **single);
+                single.for_each(|(cube, _)| *cube = (*cube).max(1));
+            }
+        }
+        Ok(Skip {
+            dims: dims.map(|n| n as i32),
+            bricks: Arc::new(bricks),
+        })
+    }
+
     /// How much memory it takes.
     pub fn bytes(&self) -> usize {
         self.bricks.bytes()

@@ -30,10 +30,10 @@ impl<S: Level> Packet<'_, S> {
             let position = line.position(k + rays.jitter);
             if let Some(skip) = &segments.skip {
                 let shape = self.scenery.objects[0].values.shape();
-                // A run ends before anything behind it is left out.
-                let between_runs = live & self.runs.technique.eq(F32s::zero());
+                // A run ends before anything behind it is left out. One that has seen nothing may as well begin behind it.
+                let is_free = self.runs.technique.eq(F32s::zero()) | self.sees_nothing();
                 let jump = skip.jump(shape, line, position);
-                let jumping = between_runs & F32s::zero().lt(jump);
+                let jumping = live & is_free & F32s::zero().lt(jump);
                 if jumping.any() {
                     self.k = jumping.select((k + jump).min(rays.count), k);
                     self.skipped += self.k - k;
@@ -42,23 +42,59 @@ impl<S: Level> Packet<'_, S> {
                     }
                     // Whatever comes next is a new run.
                     self.runs.segment = jumping.select(F32s::zero(), self.runs.segment);
+                    self.runs.technique = jumping.select(F32s::zero(), self.runs.technique);
                     live = live & self.k.lt(end);
                     continue;
                 }
             }
+            let idle = segments.idle.as_deref().and_then(Option::as_ref);
+            let (jump, idling) = match idle {
+                Some(idle) => {
+                    let shape = self.scenery.objects[0].values.shape();
+                    let jump = idle.jump(shape, line, position);
+                    (jump, live & F32s::zero().lt(jump))
+                }
+                None => (one, Mask::none()),
+            };
+            // The others wait, so that sampling happens for as many rays as possible.
+            let waits = 2 * idling.count() > live.count();
+            let moving = if waits { idling } else { live };
             let here = segments.at(position);
-            let changed = live & !here.eq(self.runs.segment);
+            let changed = moving & !here.eq(self.runs.segment);
             if changed.any() {
                 live = live & !self.change_segments(segments, here, changed);
             }
-            let shown = live & F32s::zero().lt(self.runs.technique);
+            if idling.any() {
+                let jumped = live & idling;
+                self.k = jumped.select((k + jump).min(rays.count), k);
+                self.skipped += self.k - k;
+            }
+            if waits {
+                live = live & self.k.lt(end);
+                continue;
+            }
+            let shown = live & !idling & F32s::zero().lt(self.runs.technique);
             let kept = self.scenery.objects[0].clips.keep(position, shown);
             if kept.any() {
                 live = live & !self.sample_segments(segments, k, position, kept);
             }
-            self.k = live.select(k + one, k);
+            self.k = (live & !idling).select(k + one, self.k);
             live = live & self.k.lt(end);
         }
+    }
+
+    /// Rays whose run is as it began. Not so rules that begin with something else; they find only that they see something.
+    #[inline(always)]
+    fn sees_nothing(&self) -> Mask<S> {
+        let zero = F32s::zero();
+        let State {
+            alpha,
+            value,
+            lost,
+            number,
+            ..
+        } = self.state;
+        alpha.eq(zero) & value.eq(zero) & lost.eq(zero) & number.eq(zero)
     }
 
     /// Ends the runs of the rays `changed`, which are in the segments `here`, and begins new ones; says which of the
