@@ -138,6 +138,14 @@ const KEYS: &[(&str, &str, [&str; 2])] = &[
         ],
     ),
     (
+        "transfer_function.regions",
+        "transfer_function",
+        [
+            r##""regions": [{ "corners": [[40, 0], [200, 0], [200, 90], [40, 90]], "color": "#f00" }]"##,
+            r##""regions": [{ "corners": [[20, 5], [90, 5], [90, 60]], "opacity": 0.3 }]"##,
+        ],
+    ),
+    (
         "transfer_function.color_map",
         "transfer_function",
         [r#""color_map": "hot""#, r#""color_map": "viridis""#],

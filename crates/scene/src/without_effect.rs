@@ -465,6 +465,12 @@ fn of_transfer_function(function: &TransferFunction, reads: &Reads, keys: &mut K
     let by_window = colors || opacities || reads.reads_window();
     for (is_set, key, has_effect, what) in [
         (function.points.is_some(), "points", by_points, "points"),
+        (
+            function.regions.is_some(),
+            "regions",
+            colors || opacities,
+            "regions",
+        ),
         (function.window.is_some(), "window", by_window, "window"),
         (function.level.is_some(), "level", by_window, "window"),
         (function.color_map.is_some(), "color_map", colors, "colors"),

@@ -375,21 +375,25 @@ impl SceneData {
     }
 }
 
-/// The bytes of the shader function in a file. Without feature `graph` they are not read.
+/// The bytes of the shader function in a file.
+#[cfg(feature = "graph")]
 fn read_module(path: &Path) -> Result<Vec<u8>, Error> {
+    use crate::confinement::open_regular;
+    use std::io::Read;
     let mut text = Vec::new();
-    #[cfg(feature = "graph")]
-    {
-        use crate::confinement::open_regular;
-        use std::io::Read;
-        let fail = |error| Error::path(path, error);
-        let file = open_regular(path).map_err(fail)?;
-        // One more, so that the parser sees what is too long and has the words for it.
-        file.take(strahl_shader::MOST_MODULE_BYTES as u64 + 1)
-            .read_to_end(&mut text)
-            .map_err(fail)?;
-    }
+    let fail = |error| Error::path(path, error);
+    let file = open_regular(path).map_err(fail)?;
+    // One more, so that the parser sees what is too long and has the words for it.
+    file.take(strahl_shader::MOST_MODULE_BYTES as u64 + 1)
+        .read_to_end(&mut text)
+        .map_err(fail)?;
     Ok(text)
+}
+
+/// They are not read.
+#[cfg(not(feature = "graph"))]
+fn read_module(_path: &Path) -> Result<Vec<u8>, Error> {
+    Ok(Vec::new())
 }
 
 /// The shader function in a file.

@@ -95,7 +95,8 @@ fn every_flag_reaches_its_key() {
         scene["display"],
         json!({
             "exposure": 1.5, "tone_map": "reinhard-extended", "white_point": 3.0, "gamma": 1.8,
-            "fxaa": true
+            "fxaa": true,
+            "invert": false
         })
     );
     let camera = &scene["camera"];
@@ -257,16 +258,16 @@ fn display_flags_go_before_a_scene() {
     let found = display(&["--tone-map", "reinhard-extended", "--fxaa=off"]);
     assert_eq!(
         found,
-        json!({"exposure": 1.0, "tone_map": "reinhard-extended", "white_point": 4.0, "fxaa": false})
+        json!({"exposure": 1.0, "tone_map": "reinhard-extended", "white_point": 4.0, "fxaa": false, "invert": false})
     );
     let found = display(&["--tone-map", "hable"]);
     assert_eq!(
         found,
-        json!({"exposure": 1.0, "tone_map": "hable", "white_point": 6.0, "fxaa": true})
+        json!({"exposure": 1.0, "tone_map": "hable", "white_point": 6.0, "fxaa": true, "invert": false})
     );
     let found = display(&["--tone-map", "aces"]);
     assert_eq!(
         found,
-        json!({"exposure": 1.0, "tone_map": "aces", "fxaa": true})
+        json!({"exposure": 1.0, "tone_map": "aces", "fxaa": true, "invert": false})
     );
 }

@@ -32,6 +32,7 @@ impl CarriedFiles {
         }
     }
 
+    #[cfg(feature = "graph")]
     /// Names and contents of the files in the folder with this path, in the order of the names.
     pub(crate) fn folder(&self, path: &str) -> Option<&BTreeMap<String, Vec<u8>>> {
         match self.0.get(path)? {

@@ -14,6 +14,7 @@ pub(super) fn is_exr(start: &[u8]) -> bool {
 
 pub(super) fn write(
     _image: &Image,
+    _background: Option<[f32; 3]>,
     _depth_mm: Option<&[f32]>,
     _half: bool,
     _recipe: Option<&Recipe>,
