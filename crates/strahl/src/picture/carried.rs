@@ -32,8 +32,8 @@ impl CarriedFiles {
         }
     }
 
-    #[cfg(feature = "graph")]
     /// Names and contents of the files in the folder with this path, in the order of the names.
+    #[cfg(feature = "graph")]
     pub(crate) fn folder(&self, path: &str) -> Option<&BTreeMap<String, Vec<u8>>> {
         match self.0.get(path)? {
             CarriedFile::Folder(files) => Some(files),
