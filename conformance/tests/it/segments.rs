@@ -303,6 +303,43 @@ fn what_is_hidden_is_skipped_without_changing_a_byte() {
     assert!(skipped > 1000, "{skipped}");
 }
 
+/// Nothing is hidden here; a technique shows the ball only, in segments that are large beside bricks.
+#[test]
+fn what_techniques_do_not_show_is_skipped_without_changing_a_byte() {
+    let grid = centred([40; 3], DMat3::IDENTITY);
+    let volume = blobs(
+        grid,
+        &[DVec3::new(-9.0, 3.0, 0.0), DVec3::new(8.0, -4.0, 5.0)],
+        5.0,
+    );
+    let mut plan = view(&volume);
+    let second = Technique {
+        table: white(0.3, 2.0),
+        ..plan.technique().clone()
+    };
+    plan.techniques.push(second);
+    let sides = labels(grid, |place| 1 + u32::from(place.x + 0.3 * place.y > 2.0));
+    for looks in [[(1, Some(0)), (2, Some(0))], [(1, Some(0)), (2, Some(1))]] {
+        segmented(&mut plan, &sides, &looks);
+        let renderer = strahl_cpu::Renderer::new(data(&volume, &sides));
+        let drawn = [true, false].map(|skip| {
+            let options = strahl_cpu::Options {
+                skip,
+                ..strahl_cpu::Options::default()
+            };
+            renderer.render(&plan, &options, &Control::NONE).unwrap()
+        });
+        assert!(
+            drawn[0].image.pixels() == drawn[1].image.pixels(),
+            "{looks:?}"
+        );
+        let counts = drawn.map(|drawn| drawn.stats.counts.unwrap());
+        let share = counts[0].points_skipped as f64 / counts[0].lattice_points as f64;
+        assert!(share > 0.1, "{share}");
+        assert!(counts[0].samples_visible > 1000);
+    }
+}
+
 #[test]
 fn which_numbers_ids_are_changes_nothing() {
     let (volume, sides, mut plan) = halves();

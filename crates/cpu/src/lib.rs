@@ -32,8 +32,6 @@ mod doubles;
 mod elementary;
 mod error;
 mod even;
-mod hidden_segments;
-mod idle_segments;
 mod important_places;
 #[cfg(feature = "bench-kernels")]
 #[doc(hidden)]
@@ -61,10 +59,12 @@ mod rejection;
 mod renderer;
 mod scenery;
 mod segment_numbers;
+mod segments_of_bricks;
 mod skip;
 mod strides;
 mod technique_bricks;
 mod tiles;
+mod unseen_segments;
 
 pub use error::Error;
 pub use levels::InstructionSet;

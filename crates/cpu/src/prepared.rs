@@ -4,8 +4,6 @@ use crate::brick_number::EDGE;
 use crate::clipped::ClippedBricks;
 use crate::error::Error;
 use crate::even::EvenCubes;
-use crate::hidden_segments::hidden_segments;
-use crate::idle_segments::idle_segments;
 use crate::important_places::ImportantPlaces;
 use crate::levels::Level;
 use crate::library::classify::Integrals;
@@ -22,6 +20,7 @@ use crate::segment_numbers::SegmentNumbers;
 use crate::skip::Skip;
 use crate::strides::Strides;
 use crate::technique_bricks::TechniqueBricks;
+use crate::unseen_segments::{UnseenSegments, unseen_segments};
 use std::sync::Arc;
 use strahl_scene::Source;
 use strahl_scene::plan::{Fetch, Field, Plan, Reconstruct, Sampling};
@@ -39,10 +38,8 @@ pub struct Prepared {
     masks: Vec<Volume>,
     /// Of the label volume whose segments are drawn.
     label_numbers: Option<Arc<LabelNumbers>>,
-    /// Where its segments are all hidden.
-    hidden: Option<Arc<Skip>>,
-    /// Where the one segment shows nothing.
-    idle: Option<Arc<Option<Skip>>>,
+    /// Where its segments show nothing.
+    unseen: Option<Arc<UnseenSegments>>,
     jitters: Jitters,
     meshes: Meshes,
     outline: Option<Outline>,
@@ -82,7 +79,7 @@ impl Prepared {
             sources.push(reading.source);
         }
         let label_numbers = label_numbers(making, data, plan)?;
-        let (mut hidden, mut idle) = (None, None);
+        let mut unseen = None;
         if let (Some(labelled), Some(numbers), Some((source, bricks))) = (
             plan.labelled(),
             label_numbers.as_deref(),
@@ -90,16 +87,14 @@ impl Prepared {
         ) {
             let labels = (data.labels[labelled.labels].content_id(), numbers);
             let known = TechniqueBricks::new(making, plan, (source, &bricks))?;
-            hidden = hidden_segments(making, plan, &known, labels)?;
-            idle = idle_segments(making, plan, (bricks.dims(), &known), labels)?;
+            unseen = unseen_segments(making, plan, &known, labels)?;
         }
         Ok(Prepared {
             sources,
             known,
             masks: data.masks.clone(),
             label_numbers,
-            hidden,
-            idle,
+            unseen,
             jitters: Jitters::find(plan.lattice.jitter, making.store, making.control)?,
             meshes: Meshes::new(making, &data.meshes)?,
             outline: skips.then(|| Outline::of(plan)).flatten(),
@@ -142,9 +137,8 @@ impl Prepared {
             )
         };
         let numbers = self.label_numbers.as_deref();
-        let segments = numbers.and_then(|numbers| {
-            SegmentNumbers::new(plan, numbers, self.hidden.clone(), self.idle.clone())
-        });
+        let segments =
+            numbers.and_then(|numbers| SegmentNumbers::new(plan, numbers, self.unseen.clone()));
         let segments = segments.map(Arc::new);
         let of_segments = |technique| {
             let known = Known {

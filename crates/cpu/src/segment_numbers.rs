@@ -2,7 +2,7 @@
 
 use crate::lanes::{Affine, F32s, LANES, Mask, Vec3s, each};
 use crate::levels::{Level, vectorized};
-use crate::skip::Skip;
+use crate::unseen_segments::UnseenSegments;
 use std::sync::Arc;
 use strahl_scene::plan::{GlobalRule, GradientMethod, NumberedSegments, Plan, SegmentGroup};
 use strahl_volume::{BorderCells, LabelIds, LabelNumbers};
@@ -40,10 +40,8 @@ pub struct SegmentNumbers<'n> {
     /// Whether the labels lie on the voxels of the field.
     is_grid_of_field: bool,
     segments: NumberedSegments,
-    /// Where all segments are hidden, if that is known.
-    pub skip: Option<Arc<Skip>>,
-    /// Where the technique of the one segment shows nothing, if that is known.
-    pub idle: Option<Arc<Option<Skip>>>,
+    /// Where they show nothing, if that is known.
+    pub unseen: Option<Arc<UnseenSegments>>,
     /// How runs become a pixel.
     pub rule: GlobalRule,
     /// Those of the segments.
@@ -59,8 +57,7 @@ impl<'n> SegmentNumbers<'n> {
     pub fn new(
         plan: &Plan,
         labels: &'n LabelNumbers,
-        skip: Option<Arc<Skip>>,
-        idle: Option<Arc<Option<Skip>>>,
+        unseen: Option<Arc<UnseenSegments>>,
     ) -> Option<SegmentNumbers<'n>> {
         let labelled = plan.labelled()?;
         let segments = labelled.numbered(&labels.ids);
@@ -77,8 +74,7 @@ impl<'n> SegmentNumbers<'n> {
             gain_of_places,
             most_important: importances.fold(0.0, f32::max) + gain_of_places,
             segments,
-            skip,
-            idle,
+            unseen,
             rule: plan.global_rule,
             groups: labelled.groups.clone(),
         })

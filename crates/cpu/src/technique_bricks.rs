@@ -52,9 +52,4 @@ impl TechniqueBricks {
             _ => false,
         }
     }
-
-    /// Bytes of the keys.
-    pub fn key_bytes(keys: &[ContributionKey]) -> usize {
-        keys.iter().map(ContributionKey::table_bytes).sum()
-    }
 }

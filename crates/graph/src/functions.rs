@@ -167,6 +167,17 @@ const SAMPLE: [(&str, &str, &str); 5] = [
     ("to_eye", "vec3f", "direction.world"),
 ];
 
+/// The same with what it looks like.
+const SAMPLE_WITH_LOOK: [(&str, &str, &str); 7] = [
+    SAMPLE[0],
+    SAMPLE[1],
+    SAMPLE[2],
+    SAMPLE[3],
+    SAMPLE[4],
+    ("color", "vec3f", "color.linear"),
+    ("opacity", "f32", "opacity.step"),
+];
+
 static BUILT_IN: [BuiltIn; 26] = [
     BuiltIn {
         name: RAY,
@@ -282,15 +293,7 @@ static BUILT_IN: [BuiltIn; 26] = [
         name: "composite_of_look",
         call: "composite_of_look",
         comment: "A sample with its look, added by the scene's composite; the opacity is that of a step.",
-        inputs: &[
-            SAMPLE[0],
-            SAMPLE[1],
-            SAMPLE[2],
-            SAMPLE[3],
-            SAMPLE[4],
-            ("color", "vec3f", "color.linear"),
-            ("opacity", "f32", "opacity.step"),
-        ],
+        inputs: &SAMPLE_WITH_LOOK,
         outputs: &[("out", "CompositeState", "")],
     },
     BuiltIn {
@@ -356,15 +359,7 @@ static BUILT_IN: [BuiltIn; 26] = [
         name: "run_of_look",
         call: "run_of_look",
         comment: "A sample with its look, added to the run by the composite of the node's technique; the opacity is that of a step.",
-        inputs: &[
-            SAMPLE[0],
-            SAMPLE[1],
-            SAMPLE[2],
-            SAMPLE[3],
-            SAMPLE[4],
-            ("color", "vec3f", "color.linear"),
-            ("opacity", "f32", "opacity.step"),
-        ],
+        inputs: &SAMPLE_WITH_LOOK,
         outputs: &[("out", "CompositeState", "")],
     },
     BuiltIn {

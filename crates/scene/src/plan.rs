@@ -321,9 +321,11 @@ impl Labelled {
             techniques: looks.iter().map(technique).collect(),
             factors: looks.iter().map(SegmentLook::factors).collect(),
             importances: looks.iter().map(|look| look.importance).collect(),
+            // One that is hidden is in no group, so that rays may pass it without a look at it.
             groups: looks
                 .iter()
-                .map(|look| look.group.map_or(0, |group| group as u32 + 1))
+                .map(|look| look.group.filter(|_| look.technique.is_some()))
+                .map(|group| group.map_or(0, |group| group as u32 + 1))
                 .collect(),
             outside: outside as u32,
         }

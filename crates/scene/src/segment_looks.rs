@@ -12,7 +12,7 @@ use strahl_volume::Label;
 
 /// What a list of uses comes to for one segment.
 #[derive(Clone, Debug, PartialEq)]
-struct SettledScene<'u> {
+struct SettledUse<'u> {
     technique: &'u str,
     show: bool,
     color: Option<Color>,
@@ -22,7 +22,7 @@ struct SettledScene<'u> {
 
 /// What one segment comes to, with the group that it is drawn in, if it is in one.
 struct Drawn<'u> {
-    own: SettledScene<'u>,
+    own: SettledUse<'u>,
     group: Option<Group<'u>>,
 }
 
@@ -36,14 +36,14 @@ struct Group<'u> {
 
 impl<'u> Drawn<'u> {
     fn of(uses: &'u [SegmentUse], all: &'u Techniques, id: u32, label: Option<&Label>) -> Self {
-        let own = SettledScene::of(uses, id, label);
+        let own = SettledUse::of(uses, id, label);
         let technique = all.get(own.technique).filter(|t| t.is_two_level());
         let Some(technique) = technique else {
             return Drawn { own, group: None };
         };
-        let within = SettledScene::starting(id != 0 || own.show, technique.uses(), id, label);
+        let within = SettledUse::starting(id != 0 || own.show, technique.uses(), id, label);
         Drawn {
-            own: SettledScene {
+            own: SettledUse {
                 show: own.show && within.show,
                 color: within.color.or(own.color),
                 ..within
@@ -60,9 +60,9 @@ impl<'u> Drawn<'u> {
 /// The techniques of a scene by their names.
 pub(crate) type Techniques = BTreeMap<String, SegmentTechnique>;
 
-impl<'u> SettledScene<'u> {
-    fn of(uses: &'u [SegmentUse], id: u32, label: Option<&Label>) -> SettledScene<'u> {
-        SettledScene::starting(id != 0, uses, id, label)
+impl<'u> SettledUse<'u> {
+    fn of(uses: &'u [SegmentUse], id: u32, label: Option<&Label>) -> SettledUse<'u> {
+        SettledUse::starting(id != 0, uses, id, label)
     }
 
     fn starting(
@@ -70,8 +70,8 @@ impl<'u> SettledScene<'u> {
         uses: &'u [SegmentUse],
         id: u32,
         label: Option<&Label>,
-    ) -> SettledScene<'u> {
-        let mut settled = SettledScene {
+    ) -> SettledUse<'u> {
+        let mut settled = SettledUse {
             technique: SOLID,
             show,
             color: None,
@@ -125,11 +125,7 @@ pub(crate) fn two_level_of(
 }
 
 /// Says what is wrong with `uses` whatever segments there are.
-pub(crate) fn check(
-    uses: &[SegmentUse],
-    techniques: &BTreeMap<String, SegmentTechnique>,
-    checker: &mut Checker,
-) {
+pub(crate) fn check(uses: &[SegmentUse], techniques: &Techniques, checker: &mut Checker) {
     check_uses("segments", uses, techniques, checker);
     for (name, technique) in techniques.iter().filter(|(_, t)| t.is_two_level()) {
         let path = format!("techniques.{name}.segments");
@@ -345,7 +341,7 @@ mod tests {
             r#"[{ "of": "*", "opacity": 0.2 }, { "of": ["L*", 9], "technique": "scene" }, { "of": 9, "show": false }]"#,
         )
         .unwrap();
-        let of = |id, label: Option<&Label>| SettledScene::of(&uses, id, label);
+        let of = |id, label: Option<&Label>| SettledUse::of(&uses, id, label);
         let liver = of(5, Some(&Label::new(5, "liver")));
         assert_eq!(
             (liver.technique, liver.show, liver.opacity),
@@ -360,8 +356,8 @@ mod tests {
             opacity: None,
             importance: None,
         }];
-        assert!(SettledScene::of(&named, 0, None).show);
+        assert!(SettledUse::of(&named, 0, None).show);
         // Without any use all but the background are shown.
-        assert!(SettledScene::of(&[], 1, None).show && !SettledScene::of(&[], 0, None).show);
+        assert!(SettledUse::of(&[], 1, None).show && !SettledUse::of(&[], 0, None).show);
     }
 }

@@ -19,16 +19,3 @@ fn bricks_first() -> vec3u {
 fn ray_position(lattice_point: f32) -> vec3f {
     return entry_in_voxel + lattice_point * step_in_voxel;
 }
-
-fn kept_entry() -> vec3f {
-    return entry_in_voxel;
-}
-
-fn kept_step() -> vec3f {
-    return step_in_voxel;
-}
-
-fn keep_line(line: Line) {
-    entry_in_voxel = line.start + entry_mm * line.along;
-    step_in_voxel = line.along * frame.step_mm;
-}

@@ -1,19 +1,6 @@
 // What the graph of one object in segments calls. Before each call, `technique_of_run` is the technique that
 // is meant.
 
-fn kept_entry() -> vec3f {
-    return entry_in_voxel;
-}
-
-fn kept_step() -> vec3f {
-    return step_in_voxel;
-}
-
-fn keep_line(line: Line) {
-    entry_in_voxel = line.start + entry_mm * line.along;
-    step_in_voxel = line.along * frame.step_mm;
-}
-
 struct SegmentHere {
     segment: u32,
     position: vec3f,

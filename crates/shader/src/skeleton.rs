@@ -197,10 +197,16 @@ pub fn graph_loop(
         concat!(
             include_str!("../skeleton/segments.wgsl"),
             "\n",
-            include_str!("../skeleton/graph_segments.wgsl")
+            include_str!("../skeleton/graph_segments.wgsl"),
+            "\n",
+            include_str!("../skeleton/graph_line.wgsl")
         )
     } else if what.objects == 1 {
-        include_str!("../skeleton/graph_one.wgsl")
+        concat!(
+            include_str!("../skeleton/graph_one.wgsl"),
+            "\n",
+            include_str!("../skeleton/graph_line.wgsl")
+        )
     } else {
         include_str!("../skeleton/graph_several.wgsl")
     };
@@ -227,6 +233,7 @@ pub fn surrounding_words() -> &'static HashSet<&'static str> {
             include_str!("../skeleton/entry.wgsl"),
             include_str!("../skeleton/graph.wgsl"),
             include_str!("../skeleton/graph_one.wgsl"),
+            include_str!("../skeleton/graph_line.wgsl"),
             include_str!("../skeleton/graph_several.wgsl"),
             include_str!("../skeleton/segments.wgsl"),
             include_str!("../skeleton/graph_segments.wgsl"),

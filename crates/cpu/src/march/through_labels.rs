@@ -24,12 +24,15 @@ impl<S: Level> Packet<'_, S> {
         let (rays, line) = (self.rays, &self.rays.lines[0]);
         let one = F32s::splat(1.0);
         let end = self.end.min(rays.count);
+        let unseen = segments.unseen.as_deref();
+        let everywhere = unseen.and_then(|unseen| unseen.everywhere.as_ref());
+        let in_one = unseen.and_then(|unseen| unseen.in_one.as_ref());
+        let shape = self.scenery.objects[0].values.shape();
         let mut live = self.begin.le(self.k) & self.k.lt(end) & !self.runs.are_complete(segments);
         while live.any() {
             let k = self.k;
             let position = line.position(k + rays.jitter);
-            if let Some(skip) = &segments.skip {
-                let shape = self.scenery.objects[0].values.shape();
+            if let Some(skip) = everywhere {
                 // A run ends before anything behind it is left out. One that has seen nothing may as well begin behind it.
                 let is_free = self.runs.technique.eq(F32s::zero()) | self.sees_nothing();
                 let jump = skip.jump(shape, line, position);
@@ -47,11 +50,9 @@ impl<S: Level> Packet<'_, S> {
                     continue;
                 }
             }
-            let idle = segments.idle.as_deref().and_then(Option::as_ref);
-            let (jump, idling) = match idle {
-                Some(idle) => {
-                    let shape = self.scenery.objects[0].values.shape();
-                    let jump = idle.jump(shape, line, position);
+            let (jump, idling) = match in_one {
+                Some(skip) => {
+                    let jump = skip.jump(shape, line, position);
                     (jump, live & F32s::zero().lt(jump))
                 }
                 None => (one, Mask::none()),
