@@ -334,7 +334,7 @@ impl<'g> Checker<'g> {
             } else if techniques > 0 && functions::NOT_OF_SEGMENTS.contains(&name.as_str()) {
                 self.wrong(
                     place,
-                    format!("the pattern `{name}` is not for a scene with segments, each of whose techniques has a composite and bounds of its own; the standard graph (`graph show`) has the nodes for them"),
+                    format!("the pattern `{name}` cannot be used with segments; `graph show` prints the nodes that replace it"),
                 );
             }
         }
@@ -418,7 +418,7 @@ impl<'g> Checker<'g> {
                 match anchors.is_empty() {
                     true => format!("there is no node `{name}`"),
                     false => format!(
-                        "there is no node `{name}`; which nodes there are depends on the settings (method, shading, …), but always there are {}",
+                        "there is no node `{name}`; which nodes there are depends on the settings (method, shading, …); these anchors are there: {}",
                         anchors.join(", ")
                     ),
                 }

@@ -629,7 +629,7 @@ fn of_module(module: Arc<Module>) -> Result<Function, String> {
     }
     if let Some(derivative) = module.words().find(|word| is_derivative(word)) {
         return Err(format!(
-            "{} calls `{derivative}`, which compares neighboring pixels of the screen; a ray cannot read other rays",
+            "{} calls `{derivative}`, which needs neighboring pixels; functions of a ray cannot use derivatives",
             module.file()
         ));
     }

@@ -746,7 +746,7 @@ impl SettledBox {
         if self.space != BoxSpace::World && grid.is_none() {
             checker.add(
                 format!("{path}.space"),
-                "in voxels, of which its frame has none",
+                "not \"world\", and its frame has no volume",
                 "\"world\", or the name of an object with a volume as frame",
             );
         }

@@ -17,10 +17,10 @@ pub struct ImportanceSource {
     /// File with the volume, on a grid of its own, relative to the folder of the scene file. It moves with the volume
     /// that is drawn.
     pub path: String,
-    /// The values that count as 0 and as 1, between voxel centers interpolated linearly; default 0 and 1.
+    /// The values whose share is 0 and 1; default 0 and 1. Values are interpolated linearly between voxel centers.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub range: Option<[f64; 2]>,
-    /// What 1 is worth, 0 to 50; default 3.
+    /// The importance of a place whose share is 1, 0 to 50; default 3.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gain: Option<f64>,
 }
@@ -56,8 +56,8 @@ impl ImportanceSource {
         checker.number("importance.gain", gain, Within::Closed(0.0, 50.0));
         if mask >= MOST_MASKS {
             let allowed =
-                format!("at most {MOST_MASKS} masks and importance volumes in one picture");
-            checker.add("importance", "one volume more", &allowed);
+                format!("at most {MOST_MASKS} masks in one picture, of which `importance` is one");
+            checker.add("importance", format!("mask number {}", mask + 1), &allowed);
             return None;
         }
         let Some(grid) = headers.masks.get(mask) else {
@@ -65,7 +65,7 @@ impl ImportanceSource {
             checker.add(
                 "importance.path",
                 there,
-                "a volume that is handed over with the scene",
+                "a volume that is loaded with the scene",
             );
             return None;
         };
@@ -106,7 +106,7 @@ impl Plan {
             checker.add(
                 "functions.composite.params.measure",
                 BY_VOLUME,
-                "0 to 4, or with the key `importance`",
+                "0 to 4; 5 needs the key `importance`",
             );
         }
     }

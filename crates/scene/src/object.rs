@@ -261,7 +261,7 @@ pub(crate) fn check(objects: &[SceneObject], checker: &mut Checker) {
             checker.add(
                 format!("{path}.name"),
                 format!("{name:?}"),
-                "a name of its own; \"volume\" is the scene's own volume, \"world\" the frame that no object moves",
+                "a name of its own; \"volume\" and \"world\" are reserved",
             );
         }
         let kinds = [

@@ -134,7 +134,7 @@ pub(crate) fn check(uses: &[SegmentUse], techniques: &Techniques, checker: &mut 
             let is_deeper = |name: &String| techniques.get(name).is_some_and(|t| t.is_two_level());
             if let Some(name) = used.technique.as_ref().filter(|name| is_deeper(name)) {
                 let path = format!("{path}[{i}].technique");
-                let allowed = "a technique that is not two-level itself";
+                let allowed = "a technique without `segments` and `composite`";
                 checker.add(path, format!("{name:?}"), allowed);
             }
         }

@@ -83,7 +83,7 @@ pub(crate) fn with_segments(
             "segments",
             format!("drawn in {number} groups of two-level techniques"),
             &format!(
-                "at most {MOST_GROUPS}: segments of one technique, opacity and importance are one"
+                "at most {MOST_GROUPS} groups; segments with the same technique, opacity and importance are one group"
             ),
         );
     }

@@ -70,8 +70,8 @@ fn check_beside_regions(function: &TransferFunction, path: &str, checker: &mut C
             let path = format!("{path}transfer_function.{key}");
             checker.add(
                 path,
-                "set beside regions",
-                "regions or a function of the value",
+                "set together with regions",
+                "either regions, or points, window, level, color_map and opacity",
             );
         }
     }

@@ -53,7 +53,7 @@ pub fn keys_without_effect(scene: &Scene, plan: &Plan, headers: &Headers) -> Vec
     keys.unless(
         scene.importance.is_none() || plan.reads_importance(),
         "importance",
-        "nothing is importance-aware by its places",
+        "neither a drawn technique nor `composite` uses importance by place",
     );
     let is_lit = all.iter().any(|reads| reads.calls("lighting"));
     let has_light = !plan.meshes.is_empty() || is_lit;

@@ -74,7 +74,7 @@ pub enum Error {
     },
     /// More masks than a program has textures for.
     #[error(
-        "the ray loop of shader programs has {most} masks, and the scene {number}; draw without a graph and by the CPU's own loop, or make one mask of labels that look alike"
+        "the GPU and graphs can use {most} masks, and the scene has {number}; draw on the CPU without a graph, or combine masks (one mask can have several labels)"
     )]
     Masks {
         /// How many are asked for.

@@ -397,7 +397,7 @@ fn derivatives_across_the_screen_are_refused() {
             &[
                 "nodes.x",
                 call.split('(').next().unwrap(),
-                "pixels of the screen",
+                "which needs neighboring pixels",
             ],
         );
     }

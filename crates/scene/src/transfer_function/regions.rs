@@ -73,12 +73,18 @@ pub(super) fn check(regions: &[TransferRegion], checker: &mut Checker) {
         if let Some(color) = region.color {
             check_color(&format!("{path}.color"), color, checker);
         }
-        let [[left, right], [bottom, top]] = bounds(std::slice::from_ref(region));
-        if number >= 3 && !(left < right && bottom < top) {
-            let allowed = "corners that enclose an area";
-            checker.add(format!("{path}.corners"), "on a line", allowed);
+        if (3..=MOST_CORNERS).contains(&number) && is_line(&region.corners) {
+            let allowed = "a polygon with an area";
+            checker.add(format!("{path}.corners"), "on one line", allowed);
         }
     }
+}
+
+/// Whether all corners lie on one line.
+fn is_line(corners: &[[f64; 2]]) -> bool {
+    let [x, y] = corners[0];
+    let ways = || corners.iter().map(|corner| [corner[0] - x, corner[1] - y]);
+    ways().all(|a| ways().all(|b| a[0] * b[1] == a[1] * b[0]))
 }
 
 /// From the least to the largest value, and gradient magnitude.

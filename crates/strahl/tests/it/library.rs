@@ -163,7 +163,10 @@ fn many_masks_cut_as_one() {
     let graph = r#""graph": { "strahl_graph": 1 },"#;
     assert!(draw(&several[..4], graph).is_ok());
     let message = draw(&several, graph).unwrap_err().to_string();
-    assert!(message.contains("4 masks, and the scene 6"), "{message}");
+    assert!(
+        message.contains("4 masks, and the scene has 6"),
+        "{message}"
+    );
 }
 
 #[test]
