@@ -1,7 +1,7 @@
 //! What was typed, checked: each function turns a group of [`crate::flags`] into values that the
 //! library takes.
 
-use crate::flags::{BackendName, DrawFlags, LimitFlags, PictureFlags, ReadFlags};
+use crate::flags::{BackendName, Component, DrawFlags, LimitFlags, PictureFlags, ReadFlags};
 use anyhow::{Context, Result, anyhow, bail};
 use std::str::FromStr;
 use strahl::scene::plan::MOST_EDGE_PIXELS;
@@ -43,7 +43,11 @@ pub fn read_over(flags: &ReadFlags, source: VolumeSource) -> Result<VolumeSource
         dims: dims.or(source.dims),
         level: flags.level_of_detail.or(source.level),
         time: flags.time.or(source.time),
-        component: flags.component.or(source.component),
+        component: match flags.component {
+            Some(Component::One(component)) => Some(component),
+            Some(Component::Luminance) => None,
+            None => source.component,
+        },
         series: flags.series.clone().or(source.series),
         allow_gaps: flags.allow_gaps.then_some(true).or(source.allow_gaps),
         sample_type: flags.sample_type.clone().or(source.sample_type),

@@ -17,7 +17,7 @@ pub use draw::{
 #[cfg(feature = "graph")]
 pub use graph::{GraphCommand, GraphDotFlags, GraphInputFlags, GraphPatternsFlags, GraphShowFlags};
 pub use labels::LabelFlags;
-pub use read::ReadFlags;
+pub use read::{Component, ReadFlags};
 #[cfg(feature = "graph")]
 pub use shader::{
     ShaderCheckFlags, ShaderCommand, ShaderCostFlags, ShaderListFlags, ShaderSceneFlags,

@@ -74,7 +74,7 @@ pub use confinement::{Confinement, read_text};
 pub use error::Error;
 pub use estimate::Estimate;
 pub use folder::Folder;
-pub use load::{load, load_label_table, load_under};
+pub use load::{load, load_components_under, load_label_table, load_under};
 pub use note::Note;
 pub use output::{Output, abandon_outputs};
 pub use picture::{CarriedFiles, Encoding, MadeFrom, Recipe, SOFTWARE, write_picture};

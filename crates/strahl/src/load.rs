@@ -10,9 +10,10 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use std::time::SystemTime;
 use strahl_volume::read::{
-    Bytes, Files, LoadedVolume, ReadOptions, read_file_under, read_folder_under, read_label_table,
+    Bytes, Files, LoadedComponents, LoadedVolume, ReadOptions, read_components, read_file_under,
+    read_folder_under, read_label_table,
 };
-use strahl_volume::{Control, Label};
+use strahl_volume::{Control, Label, Remedy};
 
 /// Reads the volume at `path`: a file, a header with its siblings, or a folder that holds one DICOM
 /// series or numbered slices.
@@ -54,6 +55,29 @@ pub fn load_under(
     control: &Control,
 ) -> Result<LoadedVolume, Error> {
     Ok(load_seen(paths, options, None, control)?.0)
+}
+
+/// As [`load_under`], with all numbers of each voxel: a volume for each of them. `options` pick no component.
+///
+/// # Errors
+/// As [`load_under`].
+pub fn load_components_under(
+    paths: &[PathBuf],
+    options: &ReadOptions,
+    control: &Control,
+) -> Result<LoadedComponents, Error> {
+    let mut read = |component| {
+        let options = ReadOptions {
+            component,
+            ..options.clone()
+        };
+        load_under(paths, &options, control)
+    };
+    let wants_component = |error: &Error| match error {
+        Error::Volume(error) => error.remedy() == Some(Remedy::Component),
+        _ => false,
+    };
+    read_components(&mut read, wants_component)
 }
 
 /// As [`load_under`], with the files that were opened, all of which lie `within`.

@@ -66,4 +66,4 @@ pub use statistics::Statistics;
 pub use stopwatch::Stopwatch;
 pub use store::{Counts, Key, Store};
 pub use values::ValuesKey;
-pub use volume::{Metadata, Modality, Volume, VolumeHeader};
+pub use volume::{Components, Metadata, Modality, Volume, VolumeHeader};

@@ -47,10 +47,11 @@ use options::Open;
 use sniff::Kind;
 use watched::{Watched, uncancelled};
 
+pub use components::read_components;
 pub(crate) use input::Input;
 pub use input::{Bytes, Files, MemoryFiles};
 pub use label_tables::{read_label_table, stem_of};
-pub use loaded::LoadedVolume;
+pub use loaded::{LoadedComponents, LoadedVolume};
 pub use options::{RawLayout, ReadOptions};
 
 /// Reads the volume that starts with the file `name` of `files` (a header may name siblings).
@@ -235,7 +236,7 @@ fn left_open(kind: Kind) -> Option<(&'static str, &'static [Open])> {
     })
 }
 
-const DICOM_LEAVES_OPEN: &[Open] = &[Open::Time, Open::Series, Open::Spacing];
+const DICOM_LEAVES_OPEN: &[Open] = &[Open::Time, Open::Series, Open::Spacing, Open::Component];
 
 fn not_read(Foreign { what, instead }: Foreign) -> Error {
     ErrorKind::Unsupported {

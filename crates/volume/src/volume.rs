@@ -20,6 +20,24 @@ pub enum Modality {
     Simulation,
 }
 
+/// The numbers that a file has for each voxel. A [`Volume`] has one of them, or their luminance.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Components {
+    /// How many there are.
+    pub count: usize,
+    /// Whether they are red, green, blue and perhaps opacity, or gray and opacity.
+    pub are_colors: bool,
+}
+
+impl Default for Components {
+    fn default() -> Components {
+        Components {
+            count: 1,
+            are_colors: false,
+        }
+    }
+}
+
 /// What is worth keeping of a file's header beside grid and rescale.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Metadata {
@@ -37,6 +55,8 @@ pub struct Metadata {
     pub time_points: usize,
     /// … and which one this is, from 0.
     pub time_index: usize,
+    /// The numbers that the file has for each voxel.
+    pub components: Components,
     /// Other header entries worth showing, such as patient position, series, study date.
     pub entries: Vec<(String, String)>,
 }

@@ -10,75 +10,24 @@
 //! # Ok::<(), strahl_volume::Error>(())
 //! ```
 
+mod format;
 mod metaimage;
 mod nifti;
 mod npy;
 mod nrrd;
 mod options;
 mod raw;
+mod voxels;
 
 use crate::Volume;
-use crate::error::{Error, ErrorKind};
+use crate::error::{Error, ErrorKind, Remedy};
 use crate::read::MemoryFiles;
 use std::io::{self, Write};
 
+pub use format::Format;
 pub use options::WriteOptions;
 pub use raw::value_type;
-
-/// The kinds of file that can be written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Format {
-    /// NIfTI-1 in one file; NIfTI-2 where NIfTI-1 has no room (an axis above 32767).
-    Nifti,
-    /// NIfTI packed with gzip.
-    NiftiGz,
-    /// NRRD, header and samples in one file.
-    Nrrd,
-    /// MetaImage, header and samples in one file.
-    Mha,
-    /// MetaImage, a header and a file of samples beside it (`.raw`, packed: `.zraw`).
-    Mhd,
-    /// A NumPy array of shape (z, y, x).
-    Npy,
-    /// The samples alone, x fastest, little endian.
-    Raw,
-}
-
-impl Format {
-    /// The format that the end of a file's name stands for, in any case.
-    ///
-    /// # Errors
-    /// Names the endings that are known.
-    pub fn of_name(name: &str) -> Result<Format, Error> {
-        const ENDINGS: [(&str, Format); 7] = [
-            (".nii.gz", Format::NiftiGz),
-            (".nii", Format::Nifti),
-            (".nrrd", Format::Nrrd),
-            (".mha", Format::Mha),
-            (".mhd", Format::Mhd),
-            (".npy", Format::Npy),
-            (".raw", Format::Raw),
-        ];
-        let lower = name.to_ascii_lowercase();
-        ENDINGS
-            .iter()
-            .find(|(ending, _)| lower.ends_with(ending))
-            .map(|&(_, format)| format)
-            .ok_or_else(|| {
-                let known: Vec<&str> = ENDINGS.iter().map(|(ending, _)| *ending).collect();
-                Error::field(
-                    "the file's name",
-                    format!("`{name}`"),
-                    format!("a name that ends in one of {}", known.join(", ")),
-                )
-            })
-    }
-
-    /// Whether files of this format say where their voxels lie in the world.
-    pub fn keeps_place(self) -> bool {
-        !matches!(self, Format::Npy | Format::Raw)
-    }
-}
+use voxels::Voxels;
 
 /// Where new files go; names are without folders.
 pub trait NewFiles {
@@ -118,7 +67,25 @@ pub fn write(
     options: &WriteOptions,
     files: &mut dyn NewFiles,
 ) -> Result<(), Error> {
+    let volumes = std::slice::from_ref(volume);
+    write_components(name, volumes, options, files)
+}
+
+/// As [`write()`] of a volume with several numbers per voxel: one volume for each, which differ in nothing but their
+/// samples, as [`read_components`](crate::read::read_components) gives them. They are colors if their metadata says
+/// so. NIfTI and MetaImage have colors of 8 bits only; other ones become vectors.
+///
+/// # Errors
+/// As [`write()`]; volumes of different grids or types; several of them for a format with one number per voxel.
+pub fn write_components(
+    name: &str,
+    volumes: &[Volume],
+    options: &WriteOptions,
+    files: &mut dyn NewFiles,
+) -> Result<(), Error> {
     let in_file = |error: Error| error.in_file(name);
+    let voxels = Voxels::new(volumes).map_err(in_file)?;
+    let voxels = &voxels;
     let create = |files: &mut dyn NewFiles, name: &str, body: &mut Body| {
         let mut out = files
             .create(name)
@@ -126,16 +93,20 @@ pub fn write(
         body(&mut *out).map_err(|error| error.in_file(name))?;
         out.flush().map_err(|e| Error::from(e).in_file(name))
     };
-    match Format::of_name(name).map_err(in_file)? {
+    let format = Format::of_name(name).map_err(in_file)?;
+    if volumes.len() > 1 && !format.keeps_components() {
+        return Err(in_file(no_components(volumes.len())));
+    }
+    match format {
         Format::Nifti => create(files, name, &mut |out| {
-            nifti::write(volume, options, false, out)
+            nifti::write(voxels, options, false, out)
         }),
         Format::NiftiGz => create(files, name, &mut |out| {
-            nifti::write(volume, options, true, out)
+            nifti::write(voxels, options, true, out)
         }),
-        Format::Nrrd => create(files, name, &mut |out| nrrd::write(volume, options, out)),
+        Format::Nrrd => create(files, name, &mut |out| nrrd::write(voxels, options, out)),
         Format::Mha => create(files, name, &mut |out| {
-            metaimage::write(volume, options, out)
+            metaimage::write(voxels, options, out)
         }),
         Format::Mhd => {
             let stem = &name[..name.len() - ".mhd".len()];
@@ -150,17 +121,25 @@ pub fn write(
                 ));
             }
             create(files, &data, &mut |out| {
-                metaimage::write_samples(volume, options, out)
+                metaimage::write_samples(voxels, options, out)
             })?;
             create(files, name, &mut |out| {
-                Ok(out.write_all(metaimage::header(volume, options, &data, None).as_bytes())?)
+                Ok(out.write_all(metaimage::header(voxels, options, &data, None).as_bytes())?)
             })
         }
-        Format::Npy => create(files, name, &mut |out| npy::write(volume, out)),
+        Format::Npy => create(files, name, &mut |out| npy::write(voxels, out)),
         Format::Raw => create(files, name, &mut |out| {
-            raw::write_values(volume, raw::Packing::None, out)
+            raw::write_values(voxels, raw::Packing::None, out)
         }),
     }
+}
+
+fn no_components(count: usize) -> Error {
+    Error::from(ErrorKind::Unsupported {
+        feature: format!("a file of this format with {count} numbers per voxel"),
+        instead: "write .nrrd, .nii, .mha or .mhd, or one of the components".into(),
+    })
+    .with_remedy(Remedy::Component)
 }
 
 type Body<'a> = dyn FnMut(&mut dyn Write) -> Result<(), Error> + 'a;

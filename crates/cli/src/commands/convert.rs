@@ -1,6 +1,6 @@
 //! `strahl convert`: a volume in another format.
 
-use super::load::load_labels;
+use super::load::load_components;
 use crate::flags::ConvertFlags;
 use crate::print;
 use crate::progress::Progress;
@@ -9,7 +9,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use strahl::Output;
 use strahl::volume::Volume;
-use strahl::volume::write::{Format, NewFiles, WriteOptions, value_type, write};
+use strahl::volume::write::{Format, NewFiles, WriteOptions, value_type, write_components};
 
 pub fn run(flags: &ConvertFlags, quiet: bool) -> Result<()> {
     let path = &flags.output;
@@ -20,9 +20,10 @@ pub fn run(flags: &ConvertFlags, quiet: bool) -> Result<()> {
     // Both before the long work.
     let format = Format::of_name(name)?;
     drop(Output::create(path)?);
-    let mut loaded = load_labels(&flags.inputs, &flags.read, &flags.labels, quiet)?;
+    let mut loaded = load_components(&flags.inputs, &flags.read, &flags.labels, quiet)?;
     if flags.anonymous {
-        loaded.volume = loaded.volume.anonymous();
+        let volumes = loaded.volumes.into_iter();
+        loaded.volumes = volumes.map(Volume::anonymous).collect();
     }
     for note in &loaded.notes {
         print::note(note, quiet);
@@ -36,7 +37,7 @@ pub fn run(flags: &ConvertFlags, quiet: bool) -> Result<()> {
         folder: path.parent().unwrap_or(Path::new("")).to_owned(),
         outputs: Vec::new(),
     };
-    write(name, &loaded.volume, &options, &mut files)?;
+    write_components(name, &loaded.volumes, &options, &mut files)?;
     // The header, which names the others, goes first and comes last.
     if let [header, _, ..] = files.outputs.as_slice() {
         header.remove_old()?;
@@ -45,12 +46,25 @@ pub fn run(flags: &ConvertFlags, quiet: bool) -> Result<()> {
         output.finish()?;
     }
     drop(progress);
+    let volume = &loaded.volumes[0];
     if !format.keeps_place() {
-        print::note(&what_is_lost(format, &loaded.volume), quiet);
+        print::note(&what_is_lost(format, volume), quiet);
+    }
+    let count = loaded.volumes.len();
+    let are_colors = count > 1 && volume.metadata().components.are_colors;
+    if are_colors && !format.keeps_colors(&loaded.volumes) {
+        print::note("the file holds the colors as vectors", quiet);
     }
     if !quiet {
-        let [x, y, z] = loaded.volume.grid().dims();
-        print::message(&format!("wrote {}: {x} × {y} × {z} voxels", path.display()));
+        let [x, y, z] = volume.grid().dims();
+        let numbers = match count {
+            1 => String::new(),
+            n => format!(" of {n} components"),
+        };
+        print::message(&format!(
+            "wrote {}: {x} × {y} × {z} voxels{numbers}",
+            path.display()
+        ));
     }
     Ok(())
 }

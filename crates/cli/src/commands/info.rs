@@ -147,6 +147,17 @@ fn as_text(name: &str, content: &Content) -> String {
         let (index, count) = (metadata.time_index, metadata.time_points);
         row("time point", format!("{index} of 0 to {}", count - 1));
     }
+    if metadata.components.count > 1 {
+        let kind = if metadata.components.are_colors {
+            "colors"
+        } else {
+            "numbers"
+        };
+        row(
+            "components",
+            format!("{} {kind} per voxel", metadata.components.count),
+        );
+    }
     let unit = metadata
         .value_unit
         .as_ref()
@@ -309,6 +320,8 @@ fn as_json(name: &str, content: &Content) -> Value {
         "value_unit": metadata.value_unit,
         "time_points": metadata.time_points,
         "time_index": metadata.time_index,
+        "components": metadata.components.count,
+        "are_colors": metadata.components.are_colors,
         "range": statistics.range,
         "quantiles": quantiles,
         "not_finite": statistics.not_finite,

@@ -5,7 +5,7 @@ use crate::flags::{LabelFlags, ReadFlags};
 use crate::progress::{Progress, shown_by};
 use anyhow::Result;
 use std::path::PathBuf;
-use strahl::volume::read::LoadedVolume;
+use strahl::volume::read::{LoadedComponents, LoadedVolume, ReadOptions};
 
 /// Reads a volume with progress; its notes are left to the caller.
 #[cfg(feature = "sim")]
@@ -20,11 +20,40 @@ pub fn load_labels(
     labels: &LabelFlags,
     quiet: bool,
 ) -> Result<LoadedVolume> {
+    let options = options(flags, labels)?;
+    let progress = Progress::new("reading", quiet);
+    Ok(strahl::load_under(paths, &options, &shown_by(&progress))?)
+}
+
+/// The same with all numbers of each voxel, unless the flags pick one of them. Object ids are one number.
+pub fn load_components(
+    paths: &[PathBuf],
+    flags: &ReadFlags,
+    labels: &LabelFlags,
+    quiet: bool,
+) -> Result<LoadedComponents> {
+    let options = options(flags, labels)?;
+    if flags.component.is_some() || options.as_labels || options.label_table.is_some() {
+        let loaded = load_labels(paths, flags, labels, quiet)?;
+        return Ok(LoadedComponents {
+            volumes: vec![loaded.volume],
+            labels: loaded.labels,
+            notes: loaded.notes,
+        });
+    }
+    let progress = Progress::new("reading", quiet);
+    Ok(strahl::load_components_under(
+        paths,
+        &options,
+        &shown_by(&progress),
+    )?)
+}
+
+fn options(flags: &ReadFlags, labels: &LabelFlags) -> Result<ReadOptions> {
     let mut options = args::read_options(flags)?;
     options.as_labels = labels.as_labels;
     if let Some(table) = &labels.label_table {
         options.label_table = Some(strahl::load_label_table(table)?);
     }
-    let progress = Progress::new("reading", quiet);
-    Ok(strahl::load_under(paths, &options, &shown_by(&progress))?)
+    Ok(options)
 }

@@ -1,6 +1,7 @@
 //! Flags for reading a file.
 
 use clap::Args;
+use std::str::FromStr;
 
 /// What the file does not contain itself, or which part of it to read.
 #[derive(Debug, Default, Args)]
@@ -14,9 +15,11 @@ pub struct ReadFlags {
     #[arg(long, value_name = "LEVEL", hide_short_help = true)]
     pub level_of_detail: Option<f64>,
 
-    /// Which component of a voxel with several numbers, from 0 [default: colors become luminance]
+    /// Which component of a voxel with several numbers, from 0, or luminance
+    ///
+    /// By default, colors become luminance, and `strahl convert` keeps all components.
     #[arg(long, value_name = "K", hide_short_help = true)]
-    pub component: Option<usize>,
+    pub component: Option<Component>,
 
     /// DICOM series: its number in the list, its series number, or the start of its UID
     #[arg(long, value_name = "SERIES", hide_short_help = true)]
@@ -50,4 +53,25 @@ pub struct ReadFlags {
     /// Bytes before the first sample of a headerless file
     #[arg(long, value_name = "N", hide_short_help = true)]
     pub header_bytes: Option<u64>,
+}
+
+/// What becomes of several numbers per voxel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Component {
+    /// The one at this place, from 0, is taken.
+    One(usize),
+    /// Colors become luminance.
+    Luminance,
+}
+
+impl FromStr for Component {
+    type Err = &'static str;
+
+    fn from_str(text: &str) -> Result<Component, &'static str> {
+        match (text, text.parse()) {
+            ("luminance", _) => Ok(Component::Luminance),
+            (_, Ok(component)) => Ok(Component::One(component)),
+            _ => Err("a number from 0, or luminance"),
+        }
+    }
 }

@@ -106,7 +106,11 @@ pub(crate) fn read(
         }
     }
     let samples = components::reduced(Samples::U8(samples), numbers, choice);
-    Ok(Picture { dims, samples })
+    Ok(Picture {
+        dims,
+        samples,
+        components: Meaning::Colour.of(numbers),
+    })
 }
 
 /// Red, green and blue of each index.

@@ -1,6 +1,7 @@
 //! Several numbers per voxel: colour is turned into luminance, or one of them is taken.
 
-use super::ReadOptions;
+use super::{LoadedComponents, LoadedVolume, ReadOptions};
+use crate::Components;
 use crate::error::{Error, ErrorKind, Remedy};
 use crate::{Sample, Samples, with_samples};
 
@@ -11,6 +12,16 @@ pub(crate) enum Meaning {
     Colour,
     /// A vector, or nobody says.
     Vector,
+}
+
+impl Meaning {
+    /// `count` numbers of this meaning.
+    pub(crate) fn of(self, count: usize) -> Components {
+        Components {
+            count,
+            are_colors: count > 1 && self == Meaning::Colour,
+        }
+    }
 }
 
 /// Which number of a voxel is read.
@@ -43,7 +54,7 @@ pub(crate) fn choice(
             },
         )),
         (Some(component), _) => {
-            notes.push(format!("component {component} of {count} is taken"));
+            notes.push(note_of(component, count));
             Ok(Choice::One(component))
         }
         (None, Meaning::Colour) if count == 2 => {
@@ -63,6 +74,11 @@ pub(crate) fn choice(
         })
         .with_remedy(Remedy::Component)),
     }
+}
+
+/// The note that one component was read.
+pub(crate) fn note_of(component: usize, count: usize) -> String {
+    format!("component {component} of {count} is taken")
 }
 
 /// The chosen number of every voxel, of `count` that lie side by side. In place.
@@ -94,6 +110,41 @@ fn reduce<T: Sample>(samples: &mut Vec<T>, count: usize, choice: Choice) {
     }
     samples.truncate(voxels);
     samples.shrink_to_fit();
+}
+
+/// All components of a file. `read` reads one of them: that of its argument for
+/// [`ReadOptions::component`], or whatever the file gives without one. The file is read once for each component.
+///
+/// # Errors
+/// Those of `read`, but for vectors of which no component is picked.
+pub fn read_components<E>(
+    read: &mut dyn FnMut(Option<usize>) -> Result<LoadedVolume, E>,
+    wants_component: impl Fn(&E) -> bool,
+) -> Result<LoadedComponents, E> {
+    let mut first = match read(None) {
+        Err(error) if wants_component(&error) => read(Some(0))?,
+        Ok(scalar) if scalar.volume.metadata().components.count < 2 => {
+            return Ok(LoadedComponents {
+                volumes: vec![scalar.volume],
+                labels: scalar.labels,
+                notes: scalar.notes,
+            });
+        }
+        Ok(_) => read(Some(0))?,
+        Err(error) => return Err(error),
+    };
+    let count = first.volume.metadata().components.count;
+    let note = note_of(0, count);
+    first.notes.retain(|other| *other != note);
+    let mut volumes = vec![first.volume];
+    for component in 1..count {
+        volumes.push(read(Some(component))?.volume);
+    }
+    Ok(LoadedComponents {
+        volumes,
+        labels: first.labels,
+        notes: first.notes,
+    })
 }
 
 /// Room for `count` numbers of each of `voxels`.

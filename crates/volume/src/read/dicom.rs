@@ -6,6 +6,7 @@
 //! Neither file names nor instance numbers order anything.
 
 mod character_set;
+mod color;
 mod elements;
 mod frames;
 mod image;
@@ -22,6 +23,7 @@ mod stack;
 mod syntax;
 mod tags;
 
+use super::components::{self, Choice, Meaning};
 use super::{Bytes, Files, Input, LoadedVolume, ReadOptions};
 use crate::cores;
 use crate::error::{Error, ErrorKind};
@@ -246,6 +248,7 @@ fn assemble(
     if let [image] = &images[..]
         && segmentation::is_segmentation(image.set())
     {
+        components::choice(1, Meaning::Vector, options, &mut notes)?;
         let bytes = series::open(files, &image.name)?;
         let mut loaded = segmentation::read(image, &*bytes).map_err(|e| e.in_file(&image.name))?;
         loaded.notes.splice(0..0, notes);
@@ -271,12 +274,16 @@ fn assemble(
     };
     let grid = Grid::new([layout.columns, layout.rows, count], stack.world_from_voxel)?;
 
+    let components = layout.components();
+    let choice = components::choice(components.count, Meaning::Colour, options, &mut notes)?;
+
     let rescale = slices[0].rescale;
     let is_uniform = slices.iter().all(|slice| slice.rescale == rescale);
     let reader = Reader {
         files,
         images: &images,
         slices: &slices,
+        choice,
     };
     let (mut samples, rescale) = if is_uniform {
         (reader.stored(layout.sample_type)?, rescale)
@@ -391,6 +398,8 @@ fn place(
             format!("other size, {}×{}", frame.layout.columns, frame.layout.rows)
         } else if frame.layout.sample_type != kept.layout.sample_type {
             format!("other sample type, {}", frame.layout.sample_type)
+        } else if frame.layout.components() != kept.layout.components() {
+            "gray and color".to_owned()
         } else if !is_parallel(frame, kept) {
             "other orientation".to_owned()
         } else {
@@ -421,6 +430,7 @@ fn belongs(a: &Frame, b: &Frame) -> bool {
     let near = |a: f64, b: f64| (a - b).abs() <= 1e-3 * a;
     (a.layout.columns, a.layout.rows, a.layout.sample_type)
         == (b.layout.columns, b.layout.rows, b.layout.sample_type)
+        && a.layout.components() == b.layout.components()
         && is_parallel(a, b)
         && near(a.spacing[0], b.spacing[0])
         && near(a.spacing[1], b.spacing[1])
@@ -436,6 +446,8 @@ struct Reader<'a> {
     files: &'a dyn Files,
     images: &'a [Image],
     slices: &'a [&'a Frame],
+    /// Which number of a pixel is read.
+    choice: Choice,
 }
 
 macro_rules! with_type {
@@ -551,7 +563,14 @@ impl Reader<'_> {
         } else {
             &*bytes
         };
-        let source = Source::new(&image.elements, image.pixels, &layout, frames, bytes)?;
+        let source = Source::new(
+            &image.elements,
+            image.pixels,
+            &layout,
+            frames,
+            bytes,
+            self.choice,
+        )?;
         if frame.tile.is_some() {
             let mut picture = zeroed::<T>(Some(layout.frame_samples()))?;
             read(&source, frame, &mut picture)?;
@@ -717,6 +736,7 @@ fn metadata(
         has_length_unit: true,
         time_points: stack.time_points,
         time_index: options.time_index,
+        components: slices[0].layout.components(),
         entries,
     }
 }

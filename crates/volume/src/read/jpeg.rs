@@ -41,7 +41,11 @@ pub(crate) fn read(
     }
     notes.push("JPEG changes the numbers of a scan a little; other formats do not".into());
     let samples = components::reduced(Samples::U8(decoded), numbers, choice);
-    Ok(Picture { dims, samples })
+    Ok(Picture {
+        dims,
+        samples,
+        components: Meaning::Colour.of(numbers),
+    })
 }
 
 fn damaged(why: String) -> Error {

@@ -13,3 +13,14 @@ pub struct LoadedVolume {
     /// What the user should know: slices left out, fields that were put right.
     pub notes: Vec<String>,
 }
+
+/// All numbers of each voxel, as one volume for each number.
+#[derive(Clone, Debug)]
+pub struct LoadedComponents {
+    /// One volume for each number of a voxel, in the order of the file. They have the same grid and metadata.
+    pub volumes: Vec<Volume>,
+    /// As in [`LoadedVolume`].
+    pub labels: Option<Vec<Label>>,
+    /// As in [`LoadedVolume`].
+    pub notes: Vec<String>,
+}

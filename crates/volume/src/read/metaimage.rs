@@ -93,7 +93,10 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<LoadedVolume,
             .number("ElementToIntensityFunctionOffset")?
             .unwrap_or(0.0),
     );
-    let metadata = header.metadata(input.name, time_points, options.time_index);
+    let metadata = Metadata {
+        components: meaning.of(channels),
+        ..header.metadata(input.name, time_points, options.time_index)
+    };
     Ok(LoadedVolume {
         volume: Volume::new(grid, samples, rescale, metadata)?,
         labels: None,

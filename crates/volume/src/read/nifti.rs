@@ -147,7 +147,10 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<LoadedVolume,
         options.time_index,
         &mut notes,
     )?;
-    let metadata = header.metadata(input.name, time_points, options.time_index);
+    let metadata = Metadata {
+        components: meaning.of(numbers),
+        ..header.metadata(input.name, time_points, options.time_index)
+    };
     let rescale = Rescale::new(header.scl_slope, header.scl_inter);
     Ok(LoadedVolume {
         volume: Volume::new(grid, samples, rescale, metadata)?,

@@ -105,7 +105,10 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<LoadedVolume,
         None => samples,
     };
     let labels = segments::of_layer(&segments, frame, &mut notes);
-    let metadata = header.metadata(input.name, &axes, frame);
+    let metadata = Metadata {
+        components: meaning.of(components),
+        ..header.metadata(input.name, &axes, frame)
+    };
     Ok(LoadedVolume {
         volume: Volume::new(grid, samples, Rescale::IDENTITY, metadata)?,
         labels,
@@ -814,6 +817,7 @@ impl Header {
             time_points: axes.frames(),
             time_index,
             entries,
+            ..Metadata::default()
         }
     }
 }

@@ -7,7 +7,7 @@ use super::bit_fields::unpacked;
 use super::block::{ByteReader, Endian, reserve, to_native};
 use super::components::{self, Meaning};
 use crate::error::{Error, ErrorKind};
-use crate::{Grid, Samples};
+use crate::{Components, Grid, Samples};
 use png::{BitDepth, ColorType, DecodingError, Transformations};
 use std::io::{self, BufReader};
 
@@ -16,6 +16,7 @@ pub(crate) struct Picture {
     /// Width and height.
     pub(crate) dims: [usize; 2],
     pub(crate) samples: Samples,
+    pub(crate) components: Components,
 }
 
 /// The most bytes that one stored byte can become (deflate).
@@ -108,7 +109,11 @@ pub(crate) fn read(
     // To the end of the file: one that is cut off must not pass.
     reader.finish().map_err(fail)?;
     let samples = components::reduced(samples, channels, choice);
-    Ok(Picture { dims, samples })
+    Ok(Picture {
+        dims,
+        samples,
+        components: Meaning::Colour.of(channels),
+    })
 }
 
 fn decode_error(error: DecodingError, found: u64) -> Error {

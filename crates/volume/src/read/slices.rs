@@ -7,7 +7,7 @@ use super::sniff::{self, Kind};
 use super::{Bytes, Files, Input, LoadedVolume, ReadOptions, block, bmp, png, unoriented};
 use crate::cores;
 use crate::error::{Error, ErrorKind};
-use crate::{Metadata, Rescale, Samples, Volume};
+use crate::{Components, Metadata, Rescale, Samples, Volume};
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
@@ -104,6 +104,7 @@ pub(crate) fn read_pictures(
 struct Slice {
     dims: [usize; 2],
     samples: Samples,
+    components: Components,
     /// Distance between voxel centres and whether it has a length unit, if the file says.
     spacing_mm: Option<([f64; 3], bool)>,
     notes: Vec<String>,
@@ -114,6 +115,7 @@ impl From<png::Picture> for Slice {
         Slice {
             dims: picture.dims,
             samples: picture.samples,
+            components: picture.components,
             spacing_mm: None,
             notes: Vec::new(),
         }
@@ -130,6 +132,7 @@ fn slice(name: &str, files: &dyn Files, options: &ReadOptions) -> Result<Slice, 
             Ok(Slice {
                 dims: slice.dims,
                 samples: slice.samples,
+                components: slice.components,
                 spacing_mm: slice.spacing_mm,
                 notes,
             })
@@ -168,6 +171,7 @@ fn volume(
             format: format.into(),
             has_length_unit,
             time_points: 1,
+            components: all.components,
             ..Metadata::default()
         },
     )?;

@@ -17,17 +17,19 @@ mod description;
 mod directory;
 mod lengths;
 mod metamorph;
+mod palette;
 mod shaped;
 mod source;
 
 use super::block::{self, Block, Endian};
-use super::components;
+use super::components::{self, Choice, Meaning};
 use super::stored::Stored;
 use super::{Bytes, Input, LoadedVolume, ReadOptions, unoriented};
 use crate::error::{Error, ErrorKind};
-use crate::{Grid, Metadata, Modality, Rescale, SampleType, Samples, Volume};
+use crate::{Components, Grid, Metadata, Modality, Rescale, SampleType, Samples, Volume};
 use description::{Description, Writer};
 use directory::{Directories, Page, Photometric};
+use palette::Palette;
 
 pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<LoadedVolume, Error> {
     let file = Directories::read(input.bytes)?;
@@ -35,7 +37,7 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<LoadedVolume,
     let first = file.first()?;
     same_pages(&file.pages)?;
     let described = described(&file);
-    note_photometric(first, described.as_ref(), &mut notes)?;
+    let colors = colors(&file, first, described.as_ref(), options, &mut notes);
     if file.reduced > 0 {
         notes.push(format!(
             "left out {} pages that are reduced copies of others",
@@ -50,7 +52,7 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<LoadedVolume,
         images.count(),
         &mut notes,
     )?;
-    let choice = components::choice(first.numbers, first.meaning, options, &mut notes)?;
+    let choice = colors.choice(options, &mut notes)?;
     if options.time_index >= order.times {
         return Err(Error::field(
             "time point",
@@ -71,7 +73,7 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<LoadedVolume,
     }
 
     let samples = first.stored.kept_of_bits(samples, &mut notes)?;
-    let samples = components::reduced(samples, first.numbers, choice);
+    let samples = colors.reduced(samples, choice)?;
 
     let mut entries = Vec::new();
     if described.is_none() && !file.description.is_empty() {
@@ -90,6 +92,7 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<LoadedVolume,
             has_length_unit,
             time_points: order.times,
             time_index: options.time_index,
+            components: colors.components(),
             entries,
             ..Metadata::default()
         },
@@ -105,6 +108,7 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<LoadedVolume,
 pub(crate) struct Slice {
     pub(crate) dims: [usize; 2],
     pub(crate) samples: Samples,
+    pub(crate) components: Components,
     /// Distance between voxel centres and whether it has a length unit, if the file says.
     pub(crate) spacing_mm: Option<([f64; 3], bool)>,
 }
@@ -126,14 +130,15 @@ pub(crate) fn read_slice(
         .into());
     }
     let described = described(&file);
-    note_photometric(page, described.as_ref(), notes)?;
+    let colors = colors(&file, page, described.as_ref(), options, notes);
     let mut samples = Samples::new(page.sample_type);
     decode::append(page, bytes, file.endian, &mut samples)?;
-    let choice = components::choice(page.numbers, page.meaning, options, notes)?;
+    let choice = colors.choice(options, notes)?;
     let samples = page.stored.kept_of_bits(samples, notes)?;
     Ok(Slice {
         dims: [page.pixels(), page.height],
-        samples: components::reduced(samples, page.numbers, choice),
+        samples: colors.reduced(samples, choice)?,
+        components: colors.components(),
         spacing_mm: spacing_mm(&file, described.as_ref(), notes),
     })
 }
@@ -189,24 +194,65 @@ fn shape_text(page: &Page) -> String {
     format!("{} x {}{depth} {kind}{numbers}", page.pixels(), page.height)
 }
 
-/// Stored numbers are values, whatever shade they were shown in.
-fn note_photometric(
+/// What the numbers of a pixel stand for.
+enum Colors<'a> {
+    /// Themselves.
+    Stored { numbers: usize, meaning: Meaning },
+    /// An index of a palette.
+    Indices(&'a Palette),
+}
+
+impl Colors<'_> {
+    fn components(&self) -> Components {
+        match self {
+            Colors::Stored { numbers, meaning } => meaning.of(*numbers),
+            Colors::Indices(palette) => palette.components(),
+        }
+    }
+
+    fn choice(&self, options: &ReadOptions, notes: &mut Vec<String>) -> Result<Choice, Error> {
+        let meaning = match self {
+            Colors::Stored { meaning, .. } => *meaning,
+            Colors::Indices(_) => Meaning::Colour,
+        };
+        components::choice(self.components().count, meaning, options, notes)
+    }
+
+    fn reduced(&self, samples: Samples, choice: Choice) -> Result<Samples, Error> {
+        match self {
+            Colors::Stored { numbers, .. } => Ok(components::reduced(samples, *numbers, choice)),
+            Colors::Indices(palette) => palette.applied(samples, choice),
+        }
+    }
+}
+
+/// Stored numbers are values, whatever shade they were shown in, unless a palette says what they stand for.
+fn colors<'a>(
+    file: &'a Directories,
     page: &Page,
     described: Option<&Description>,
+    options: &ReadOptions,
     notes: &mut Vec<String>,
-) -> Result<(), Error> {
-    match page.photometric {
-        Photometric::BlackIsZero | Photometric::Rgb => Ok(()),
-        Photometric::WhiteIsZero => {
-            notes.push("the picture shows 0 as white; the numbers are kept as they are".into());
-            Ok(())
-        }
-        // ImageJ writes the colours in which a grey stack was shown as a palette.
-        Photometric::Palette if described.is_some_and(|d| d.writer == Writer::ImageJ) => {
+) -> Colors<'a> {
+    let are_labels = options.as_labels || options.label_table.is_some();
+    // ImageJ writes the colors in which a gray stack was shown as a palette.
+    let is_of_imagej = described.is_some_and(|d| d.writer == Writer::ImageJ);
+    match &file.palette {
+        Some(_) if is_of_imagej => {
             notes.push("ImageJ's colors are left out; the numbers are kept as they are".into());
-            Ok(())
         }
-        Photometric::Palette => Err(directory::colour("a palette")),
+        Some(_) if are_labels => {
+            notes.push("the colors of the palette are left out; its indices are the labels".into());
+        }
+        Some(palette) => return Colors::Indices(palette),
+        None if page.photometric == Photometric::WhiteIsZero => {
+            notes.push("the picture shows 0 as white; the numbers are kept as they are".into());
+        }
+        None => {}
+    }
+    Colors::Stored {
+        numbers: page.numbers,
+        meaning: page.meaning,
     }
 }
 

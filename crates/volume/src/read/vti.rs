@@ -17,7 +17,7 @@ use super::components;
 use super::stored::Stored;
 use super::{Bytes, Input, LoadedVolume, ReadOptions, base64, unoriented, vtk, xml};
 use crate::error::{Error, ErrorKind};
-use crate::{Grid, Metadata, Rescale, Samples, Volume};
+use crate::{Components, Grid, Metadata, Rescale, Samples, Volume};
 use flate2::bufread::ZlibDecoder;
 use glam::{DMat3, DVec3};
 use std::io::Read;
@@ -32,7 +32,7 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<LoadedVolume,
     let file = File::open(input.bytes)?;
     let (array, is_of_cells) = file.array(&mut notes)?;
     let grid = file.grid(is_of_cells, options)?;
-    let samples = file.samples(&array, grid.voxel_count(), options, &mut notes)?;
+    let (samples, components) = file.samples(&array, grid.voxel_count(), options, &mut notes)?;
     let volume = Volume::new(
         grid,
         samples,
@@ -42,6 +42,7 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<LoadedVolume,
             format: "VTK ImageData".into(),
             has_length_unit: options.spacing_mm.is_some(),
             time_points: 1,
+            components,
             entries: vec![(
                 "array".into(),
                 array.attribute("Name").unwrap_or_default().into(),
@@ -298,16 +299,18 @@ impl File {
         count: usize,
         options: &ReadOptions,
         notes: &mut Vec<String>,
-    ) -> Result<Samples, Error> {
+    ) -> Result<(Samples, Components), Error> {
         let stored = vtk::sample_type(array.required("type")?)?;
         let components = match array.attribute("NumberOfComponents") {
             None | Some("0") => 1,
             Some(number) => vtk::component_count(number)?,
         };
-        let choice = components::choice(components, vtk::meaning(stored), options, notes)?;
+        let meaning = vtk::meaning(stored);
+        let choice = components::choice(components, meaning, options, notes)?;
         let count = components::total(count, components)?;
         let samples = self.numbers(array, count, stored, notes)?;
-        Ok(components::reduced(samples, components, choice))
+        let samples = components::reduced(samples, components, choice);
+        Ok((samples, meaning.of(components)))
     }
 
     fn numbers(

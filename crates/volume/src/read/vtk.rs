@@ -116,6 +116,7 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<LoadedVolume,
             format: "VTK".into(),
             has_length_unit: options.spacing_mm.is_some(),
             time_points: 1,
+            components: meaning(stored).of(header.components),
             entries: vec![("title".into(), header.title)],
             ..Metadata::default()
         },

@@ -2,37 +2,39 @@
 
 use super::WriteOptions;
 use super::raw::{self, Packing};
+use super::voxels::Voxels;
 use crate::error::Error;
-use crate::{Modality, SampleType, Volume};
+use crate::{Modality, SampleType};
 use std::fmt::Write as _;
 use std::io::Write;
 
 /// Header and samples in one file.
 pub(crate) fn write(
-    volume: &Volume,
+    voxels: &Voxels,
     options: &WriteOptions,
     out: &mut dyn Write,
 ) -> Result<(), Error> {
     if !options.compress {
-        out.write_all(header(volume, options, "LOCAL", None).as_bytes())?;
-        return write_samples(volume, options, out);
+        out.write_all(header(voxels, options, "LOCAL", None).as_bytes())?;
+        return write_samples(voxels, options, out);
     }
     // ITK finds packed samples behind their header only if it says how many bytes they take.
     let mut packed = Vec::new();
-    write_samples(volume, options, &mut packed)?;
-    out.write_all(header(volume, options, "LOCAL", Some(packed.len())).as_bytes())?;
+    write_samples(voxels, options, &mut packed)?;
+    out.write_all(header(voxels, options, "LOCAL", Some(packed.len())).as_bytes())?;
     Ok(out.write_all(&packed)?)
 }
 
 /// The header, up to the line break after the name of the file that holds the samples, which are
 /// packed into `packed_bytes` if known.
 pub(crate) fn header(
-    volume: &Volume,
+    voxels: &Voxels,
     options: &WriteOptions,
     data_file: &str,
     packed_bytes: Option<usize>,
 ) -> String {
-    let element_type = match raw::value_type(volume) {
+    let volume = voxels.first;
+    let element_type = match raw::value_type_of(voxels.all) {
         SampleType::U8 => "MET_UCHAR",
         SampleType::I8 => "MET_CHAR",
         SampleType::U16 => "MET_USHORT",
@@ -86,13 +88,16 @@ pub(crate) fn header(
     line("ElementSpacing", &numbers(spacing));
     line("DimSize", &format!("{nx} {ny} {nz}"));
     line("Modality", modality);
+    if voxels.all.len() > 1 {
+        line("ElementNumberOfChannels", &voxels.all.len().to_string());
+    }
     line("ElementType", element_type);
     line("ElementDataFile", data_file);
     header
 }
 
 pub(crate) fn write_samples(
-    volume: &Volume,
+    voxels: &Voxels,
     options: &WriteOptions,
     out: &mut dyn Write,
 ) -> Result<(), Error> {
@@ -101,5 +106,5 @@ pub(crate) fn write_samples(
     } else {
         Packing::None
     };
-    raw::write_values(volume, packing, out)
+    raw::write_values(voxels, packing, out)
 }

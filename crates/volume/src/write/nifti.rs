@@ -6,19 +6,22 @@
 //! fewer programs read it.
 
 use super::WriteOptions;
+use super::format::Format;
 use super::raw::{self, Packing};
+use super::voxels::Voxels;
 use crate::error::Error;
 use crate::{SampleType, Volume};
 use glam::{DMat3, DQuat};
 use std::io::Write;
 
 pub(crate) fn write(
-    volume: &Volume,
+    voxels: &Voxels,
     options: &WriteOptions,
     compress: bool,
     out: &mut dyn Write,
 ) -> Result<(), Error> {
-    let header = header(volume, options);
+    let numbers = Numbers::of(voxels);
+    let header = header(voxels.first, options, numbers);
     let packing = if compress {
         Packing::Gzip
     } else {
@@ -26,18 +29,48 @@ pub(crate) fn write(
     };
     raw::packed(packing, out, &mut |out| {
         out.write_all(&header)?;
-        raw::stored(volume, out)
+        match numbers {
+            Numbers::Colors(_) => raw::side_by_side(voxels, out),
+            Numbers::Vector(_) => voxels.all.iter().try_for_each(|one| raw::stored(one, out)),
+        }
     })
 }
 
+/// How many numbers a voxel has, and how they lie.
+#[derive(Clone, Copy)]
+enum Numbers {
+    /// Red, green, blue and perhaps opacity, side by side in 8 bits each.
+    Colors(usize),
+    /// One volume behind the other.
+    Vector(usize),
+}
+
+impl Numbers {
+    fn of(voxels: &Voxels) -> Numbers {
+        let count = voxels.all.len();
+        match Format::Nifti.keeps_colors(voxels.all) {
+            true => Numbers::Colors(count),
+            false => Numbers::Vector(count),
+        }
+    }
+}
+
+const INTENT_LABEL: i16 = 1002;
+const INTENT_VECTOR: i16 = 1007;
+
 /// The header with the four bytes after it that say that there is no extension.
-fn header(volume: &Volume, options: &WriteOptions) -> Vec<u8> {
+fn header(volume: &Volume, options: &WriteOptions, numbers: Numbers) -> Vec<u8> {
     let grid = volume.grid();
     let dims = grid.dims();
     let rescale = volume.rescale();
     let affine = grid.world_from_voxel();
     let fits = |v: f64| (v as f32).is_finite() && (v == 0.0 || v as f32 != 0.0);
-    let is_small = dims.iter().all(|&n| n <= i16::MAX as usize)
+    let vector_length = match numbers {
+        Numbers::Vector(length) => length,
+        Numbers::Colors(_) => 1,
+    };
+    let fits_i16 = |n: &usize| *n <= i16::MAX as usize;
+    let is_small = dims.iter().chain([&vector_length]).all(fits_i16)
         && fits(rescale.slope)
         && (rescale.intercept as f32).is_finite()
         && affine
@@ -60,7 +93,11 @@ fn header(volume: &Volume, options: &WriteOptions) -> Vec<u8> {
         _ => 2,
     };
     let (datatype, bits): (i16, i16) = match volume.sample_type() {
-        SampleType::U8 => (2, 8),
+        SampleType::U8 => match numbers {
+            Numbers::Colors(3) => (128, 24),
+            Numbers::Colors(_) => (2304, 32),
+            Numbers::Vector(_) => (2, 8),
+        },
         SampleType::I8 => (256, 8),
         SampleType::U16 => (512, 16),
         SampleType::I16 => (4, 16),
@@ -71,16 +108,20 @@ fn header(volume: &Volume, options: &WriteOptions) -> Vec<u8> {
     };
     let fields = Fields {
         dim: [
-            3,
+            if vector_length > 1 { 5 } else { 3 },
             dims[0] as i64,
             dims[1] as i64,
             dims[2] as i64,
             1,
-            1,
+            vector_length as i64,
             1,
             1,
         ],
-        intent_code: if options.labels.is_some() { 1002 } else { 0 },
+        intent_code: match vector_length {
+            1 if options.labels.is_some() => INTENT_LABEL,
+            1 => 0,
+            _ => INTENT_VECTOR,
+        },
         datatype,
         bits,
         pixdim: {

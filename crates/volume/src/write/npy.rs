@@ -8,12 +8,13 @@
 //! | 10     |        | `{'descr': '<i2', 'fortran_order': False, 'shape': (z, y, x), }`, blanks, line break |
 
 use super::raw::{self, Packing};
+use super::voxels::Voxels;
+use crate::SampleType;
 use crate::error::Error;
-use crate::{SampleType, Volume};
 use std::io::Write;
 
-pub(crate) fn write(volume: &Volume, out: &mut dyn Write) -> Result<(), Error> {
-    let descr = match raw::value_type(volume) {
+pub(crate) fn write(voxels: &Voxels, out: &mut dyn Write) -> Result<(), Error> {
+    let descr = match raw::value_type_of(voxels.all) {
         SampleType::U8 => "|u1",
         SampleType::I8 => "|i1",
         SampleType::U16 => "<u2",
@@ -23,7 +24,7 @@ pub(crate) fn write(volume: &Volume, out: &mut dyn Write) -> Result<(), Error> {
         SampleType::F32 => "<f4",
         SampleType::F64 => "<f8",
     };
-    let [nx, ny, nz] = volume.grid().dims();
+    let [nx, ny, nz] = voxels.first.grid().dims();
     let mut text =
         format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': ({nz}, {ny}, {nx}), }}");
     while (10 + text.len() + 1) % 64 != 0 {
@@ -34,5 +35,5 @@ pub(crate) fn write(volume: &Volume, out: &mut dyn Write) -> Result<(), Error> {
     // At most some 130 bytes.
     out.write_all(&(text.len() as u16).to_le_bytes())?;
     out.write_all(text.as_bytes())?;
-    raw::write_values(volume, Packing::None, out)
+    raw::write_values(voxels, Packing::None, out)
 }

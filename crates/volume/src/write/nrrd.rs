@@ -1,28 +1,31 @@
 //! NRRD: header and samples in one file; the header is described at the reader.
 
 use super::WriteOptions;
+use super::format::Format;
 use super::raw::{self, Packing};
+use super::voxels::Voxels;
 use crate::error::Error;
-use crate::{Modality, SampleType, Volume};
+use crate::{Modality, SampleType};
 use std::fmt::Write as _;
 use std::io::Write;
 
 pub(crate) fn write(
-    volume: &Volume,
+    voxels: &Voxels,
     options: &WriteOptions,
     out: &mut dyn Write,
 ) -> Result<(), Error> {
-    out.write_all(header(volume, options).as_bytes())?;
+    out.write_all(header(voxels, options).as_bytes())?;
     let packing = if options.compress {
         Packing::Gzip
     } else {
         Packing::None
     };
-    raw::write_values(volume, packing, out)
+    raw::write_values(voxels, packing, out)
 }
 
-fn header(volume: &Volume, options: &WriteOptions) -> String {
-    let sample_type = match raw::value_type(volume) {
+fn header(voxels: &Voxels, options: &WriteOptions) -> String {
+    let volume = voxels.first;
+    let sample_type = match raw::value_type_of(voxels.all) {
         SampleType::U8 => "uint8",
         SampleType::I8 => "int8",
         SampleType::U16 => "uint16",
@@ -44,16 +47,24 @@ fn header(volume: &Volume, options: &WriteOptions) -> String {
         let _ = writeln!(header, "{text}");
     };
     line(format_args!("type: {sample_type}"));
-    line(format_args!("dimension: 3"));
+    // The axis of the numbers of a voxel, which is the fastest, if there are several.
+    let (dimension, size, direction, kind) =
+        match (voxels.all.len(), Format::Nrrd.keeps_colors(voxels.all)) {
+            (1, _) => (3, String::new(), "", ""),
+            (3, true) => (4, "3 ".to_owned(), "none ", "RGB-color "),
+            (4, true) => (4, "4 ".to_owned(), "none ", "RGBA-color "),
+            (count, _) => (4, format!("{count} "), "none ", "vector "),
+        };
+    line(format_args!("dimension: {dimension}"));
     line(format_args!("space: right-anterior-superior"));
-    line(format_args!("sizes: {nx} {ny} {nz}"));
+    line(format_args!("sizes: {size}{nx} {ny} {nz}"));
     line(format_args!(
-        "space directions: {} {} {}",
+        "space directions: {direction}{} {} {}",
         vector(m.x_axis),
         vector(m.y_axis),
         vector(m.z_axis)
     ));
-    line(format_args!("kinds: domain domain domain"));
+    line(format_args!("kinds: {kind}domain domain domain"));
     if metadata.has_length_unit {
         line(format_args!("space units: \"mm\" \"mm\" \"mm\""));
     }

@@ -1,5 +1,6 @@
 //! Samples as little-endian bytes, x fastest: what all writers end with.
 
+use super::voxels::Voxels;
 use crate::error::Error;
 use crate::{Rescale, Sample, SampleType, Volume, with_samples};
 use flate2::Compression;
@@ -20,17 +21,41 @@ const LEVEL: Compression = Compression::new(4);
 /// Samples are converted in pieces that stay in the cache.
 const PIECE: usize = 1 << 15;
 
+/// Runs the body with a name bound to the type of samples.
+macro_rules! with_type {
+    ($sample_type:expr, $name:ident => $body:expr) => {
+        with_type!(@ $sample_type, $name, $body, U8 u8 I8 i8 U16 u16 I16 i16 U32 u32 I32 i32 F32 f32 F64 f64)
+    };
+    (@ $sample_type:expr, $name:ident, $body:expr, $($variant:ident $type:ident)*) => {
+        match $sample_type {
+            $(SampleType::$variant => {
+                type $name = $type;
+                $body
+            })*
+        }
+    };
+}
+
 /// The type in which the values of a volume are written by formats without a rescale: the stored
 /// type if the rescale is identity, else the narrowest of whole numbers that holds them, else f32 or
 /// f64.
 pub fn value_type(volume: &Volume) -> SampleType {
+    value_type_of(std::slice::from_ref(volume))
+}
+
+/// The same for several volumes, one or more of one type and rescale.
+pub(crate) fn value_type_of(volumes: &[Volume]) -> SampleType {
+    let volume = &volumes[0];
     let stored = volume.sample_type();
     let Rescale { slope, intercept } = volume.rescale();
     if volume.rescale() == Rescale::IDENTITY {
         return stored;
     }
     if stored.is_integer() && slope.fract() == 0.0 && intercept.fract() == 0.0 {
-        let [lo, hi] = volume.statistics().range;
+        let ranges = volumes.iter().map(|volume| volume.statistics().range);
+        let (lo, hi) = ranges.fold((f64::MAX, f64::MIN), |(lo, hi), range| {
+            (lo.min(range[0]), hi.max(range[1]))
+        });
         let narrowest = [
             (SampleType::U8, 0.0, f64::from(u8::MAX)),
             (SampleType::I8, i8::MIN.into(), i8::MAX.into()),
@@ -52,39 +77,40 @@ pub fn value_type(volume: &Volume) -> SampleType {
     }
 }
 
-/// Writes the values in their [`value_type`].
+/// Writes the values in their [`value_type`], the numbers of a voxel side by side.
 ///
 /// # Errors
 /// What the system says.
 pub(crate) fn write_values(
-    volume: &Volume,
+    voxels: &Voxels,
     packing: Packing,
     out: &mut dyn Write,
 ) -> Result<(), Error> {
     packed(packing, out, &mut |out| {
-        let rescale = volume.rescale();
-        if rescale == Rescale::IDENTITY {
-            return stored(volume, out);
+        if voxels.first.rescale() == Rescale::IDENTITY {
+            return match voxels.all {
+                [volume] => stored(volume, out),
+                _ => side_by_side(voxels, out),
+            };
         }
-        with_samples!(volume.samples(), s => match value_type(volume) {
-            SampleType::U8 => convert::<_, u8>(s, rescale, out),
-            SampleType::I8 => convert::<_, i8>(s, rescale, out),
-            SampleType::U16 => convert::<_, u16>(s, rescale, out),
-            SampleType::I16 => convert::<_, i16>(s, rescale, out),
-            SampleType::U32 => convert::<_, u32>(s, rescale, out),
-            SampleType::I32 => convert::<_, i32>(s, rescale, out),
-            SampleType::F32 => convert::<_, f32>(s, rescale, out),
-            SampleType::F64 => convert::<_, f64>(s, rescale, out),
-        })
+        with_type!(value_type_of(voxels.all), U => interleaved::<U>(voxels, true, out))
     })
 }
 
-/// Writes the stored numbers, not packed.
+/// Writes the stored numbers of one volume, not packed.
 ///
 /// # Errors
 /// What the system says.
 pub(crate) fn stored(volume: &Volume, out: &mut dyn Write) -> io::Result<()> {
     with_samples!(volume.samples(), s => little_endian(s, out))
+}
+
+/// Writes the stored numbers, those of a voxel side by side, not packed.
+///
+/// # Errors
+/// What the system says.
+pub(crate) fn side_by_side(voxels: &Voxels, out: &mut dyn Write) -> io::Result<()> {
+    with_type!(voxels.first.sample_type(), U => interleaved::<U>(voxels, false, out))
 }
 
 /// Runs `body` with a stream that packs what is written to it.
@@ -123,17 +149,37 @@ fn little_endian<T: Sample>(samples: &[T], out: &mut dyn Write) -> io::Result<()
     Ok(())
 }
 
-fn convert<T: Sample, U: Sample>(
-    samples: &[T],
-    rescale: Rescale,
+/// Values, or stored numbers, of type `U`.
+fn interleaved<U: Sample>(
+    voxels: &Voxels,
+    are_values: bool,
     out: &mut dyn Write,
 ) -> io::Result<()> {
-    for piece in samples.chunks(PIECE) {
-        let values: Vec<U> = piece
-            .iter()
-            .map(|s| U::from_f64(rescale.value(s.to_f64())))
-            .collect();
-        little_endian(&values, out)?;
+    let count = voxels.all.len();
+    let rescale = voxels.first.rescale();
+    let total = voxels.first.samples().len();
+    let voxels_per_piece = (PIECE / count).max(1);
+    let mut piece: Vec<U> = Vec::new();
+    for start in (0..total).step_by(voxels_per_piece) {
+        let range = start..total.min(start + voxels_per_piece);
+        piece.clear();
+        piece.resize(range.len() * count, U::zeroed());
+        for (component, volume) in voxels.all.iter().enumerate() {
+            let into = piece[component..].iter_mut().step_by(count);
+            match U::of(volume.samples()).filter(|_| !are_values) {
+                Some(stored) => {
+                    let numbers = stored[range.clone()].iter();
+                    into.zip(numbers).for_each(|(into, stored)| *into = *stored);
+                }
+                None => with_samples!(volume.samples(), s => {
+                    let numbers = s[range.clone()].iter();
+                    into.zip(numbers).for_each(|(into, stored)| {
+                        *into = U::from_f64(rescale.value(stored.to_f64()));
+                    });
+                }),
+            }
+        }
+        little_endian(&piece, out)?;
     }
     Ok(())
 }

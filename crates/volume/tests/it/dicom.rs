@@ -171,24 +171,261 @@ fn lossless_jpeg_has_the_values_that_libjpeg_finds() {
         .map(|i| 4 * ((37 * (i % 12) + 101 * (i / 12)) % 256))
         .collect();
     for hex in [POINT_TRANSFORM, RESTARTS] {
-        let jpeg: Vec<u8> = (0..hex.len() / 2)
-            .map(|i| u8::from_str_radix(&hex[2 * i..2 * i + 2], 16).unwrap())
-            .collect();
         let mut set = image(12, 8, &[]);
         set.shorts((0x28, 0x101), b"US", &[12])
             .shorts((0x28, 0x102), b"US", &[11]);
-        set.0.retain(|element| element.0 != 0x7FE0);
-        let mut elements = set.explicit();
-        elements.extend([0xE0, 0x7F, 0x10, 0, b'O', b'B', 0, 0, 255, 255, 255, 255]);
-        elements.extend([0xFE, 0xFF, 0, 0xE0, 0, 0, 0, 0]);
-        elements.extend([0xFE, 0xFF, 0, 0xE0]);
-        elements.extend((jpeg.len() as u32).to_le_bytes());
-        elements.extend(jpeg);
-        elements.extend([0xFE, 0xFF, 0xDD, 0xE0, 0, 0, 0, 0]);
-        let file = file_of("1.2.840.10008.1.2.4.70", &elements);
+        let file = packed("1.2.840.10008.1.2.4.70", &set, &of_hex(hex));
         let loaded = read(&[("a.dcm", &file)]).unwrap();
         assert_eq!(samples(&loaded), expected);
     }
+}
+
+/// An image of one packed frame.
+fn packed(syntax: &str, set: &Set, frame: &[u8]) -> Vec<u8> {
+    let mut set = set.clone();
+    set.0.retain(|element| element.0 != 0x7FE0);
+    let mut elements = set.explicit();
+    elements.extend([0xE0, 0x7F, 0x10, 0, b'O', b'B', 0, 0, 255, 255, 255, 255]);
+    elements.extend([0xFE, 0xFF, 0, 0xE0, 0, 0, 0, 0]);
+    elements.extend([0xFE, 0xFF, 0, 0xE0]);
+    elements.extend((frame.len() as u32).to_le_bytes());
+    elements.extend(frame);
+    elements.extend([0xFE, 0xFF, 0xDD, 0xE0, 0, 0, 0, 0]);
+    file_of(syntax, &elements)
+}
+
+fn of_hex(hex: &str) -> Vec<u8> {
+    let byte = |i: usize| u8::from_str_radix(&hex[2 * i..2 * i + 2], 16).unwrap();
+    (0..hex.len() / 2).map(byte).collect()
+}
+
+/// A picture of 8-bit colors without its pixels.
+fn color_image(columns: u16, rows: u16, photometric: &str, planar: u16) -> Set {
+    let mut set = image(columns, rows, &[]);
+    set.shorts((0x28, 2), b"US", &[3])
+        .text((0x28, 4), b"CS", photometric)
+        .shorts((0x28, 6), b"US", &[planar])
+        .shorts((0x28, 0x100), b"US", &[8])
+        .shorts((0x28, 0x101), b"US", &[8])
+        .shorts((0x28, 0x102), b"US", &[7]);
+    set
+}
+
+/// Red, green and blue of all pixels, each read as a component.
+fn colors_of(file: &[u8]) -> Vec<[f64; 3]> {
+    let component = |component: usize| {
+        let options = ReadOptions {
+            component: Some(component),
+            ..ReadOptions::default()
+        };
+        let loaded = read_with(&[("a.dcm", file)], &options).unwrap();
+        let metadata = loaded.volume.metadata();
+        assert_eq!(
+            (metadata.components.count, metadata.components.are_colors),
+            (3, true)
+        );
+        let [columns, rows, _] = loaded.volume.grid().dims();
+        let value = |i: usize| loaded.volume.value(i % columns, i / columns, 0);
+        (0..columns * rows).map(value).collect::<Vec<_>>()
+    };
+    let [red, green, blue] = [0, 1, 2].map(component);
+    let pixels = red.iter().zip(&green).zip(&blue);
+    pixels.map(|((r, g), b)| [*r, *g, *b]).collect()
+}
+
+const PIXELS_RGB: [[u8; 3]; 8] = [
+    [0, 255, 30],
+    [60, 205, 31],
+    [120, 155, 32],
+    [180, 105, 33],
+    [9, 235, 70],
+    [69, 185, 71],
+    [129, 135, 72],
+    [189, 85, 73],
+];
+
+/// [`PIXELS_RGB`] taken for Y, Cb and Cr: the red, green and blue that pydicom's `convert_color_space` gives.
+const PIXELS_OF_YBR: [[u8; 3]; 8] = [
+    [0, 26, 225],
+    [0, 103, 196],
+    [0, 179, 168],
+    [47, 255, 139],
+    [0, 14, 199],
+    [0, 90, 170],
+    [50, 167, 141],
+    [112, 243, 113],
+];
+
+/// [`PIXELS_RGB`] in JPEG 2000, lossless with the reversible color transform, by OpenJPEG.
+const COLORS_IN_JPEG_2000: &str = "ff4fff51002f00000000000400000002000000000000000000000004000000020000\
+    0000000000000003070101070101070101ff52000c00000001010004040001ff5c00044040ff64002500014372656174656420\
+    6279204f70656e4a5045472076657273696f6e20322e352e34ff90000a0000000000320001ff93c3e70e16793a297be1c7df80\
+    4808b5af5a7ffdc52c53df805808b4d88c06c4659db4537fffd9";
+
+/// 8×8 pixels, (20 x + 40, 200 − 20 y, 10 x + 10 y), in baseline JPEG without subsampling, by libjpeg.
+const COLORS_IN_JPEG: &str = "ffd8ffe000104a46494600010100000100010000ffdb00430003020203020203\
+    03030304030304050805050404050a070706080c0a0c0c0b0a0b0b0d0e12100d0e110e0b0b1016101113141515\
+    150c0f171816141812141514ffdb00430103040405040509050509140d0b0d1414141414141414141414141414\
+    141414141414141414141414141414141414141414141414141414141414141414141414ffc000110800080008\
+    03011100021101031101ffc40014000100000000000000000000000000000005ffc40019100001050000000000\
+    0000000000000000070023334151ffc4001501010100000000000000000000000000000407ffc4001911000203\
+    01000000000000000000000000000604223262ffda000c03010002110311003f00087c6189fcb5388e95c81555\
+    dcd4ffd9";
+
+#[test]
+fn colors_are_red_green_and_blue_however_they_are_stored() {
+    let as_f64 = |pixels: [[u8; 3]; 8]| pixels.map(|pixel| pixel.map(f64::from)).to_vec();
+    let planes = |pixels: [[u8; 3]; 8]| [0, 1, 2].map(|i| pixels.map(|p| p[i])).concat();
+    let native = |photometric: &str, planar: u16, bytes: &[u8]| {
+        let mut set = color_image(4, 2, photometric, planar);
+        set.put(PIXELS, b"OB", bytes);
+        colors_of(&set.file())
+    };
+    let stored = PIXELS_RGB.concat();
+    assert_eq!(native("RGB", 0, &stored), as_f64(PIXELS_RGB));
+    assert_eq!(native("RGB", 1, &planes(PIXELS_RGB)), as_f64(PIXELS_RGB));
+    assert_eq!(native("YBR_FULL", 0, &stored), as_f64(PIXELS_OF_YBR));
+    let planar = native("YBR_FULL", 1, &planes(PIXELS_RGB));
+    assert_eq!(planar, as_f64(PIXELS_OF_YBR));
+    // Pairs of Y, Y, Cb, Cr: gray, then what pydicom gives for (60, 205, 31).
+    let pairs = [7, 200, 128, 128, 60, 60, 205, 31].repeat(2);
+    let row = [
+        [7.0; 3],
+        [200.0; 3],
+        [0.0, 103.0, 196.0],
+        [0.0, 103.0, 196.0],
+    ];
+    assert_eq!(native("YBR_FULL_422", 0, &pairs), [row, row].concat());
+
+    // Run lengths: always planes, whatever PlanarConfiguration says.
+    let mut frame = vec![3, 0, 0, 0];
+    for plane in 0..3u32 {
+        frame.extend((64 + 10 * plane).to_le_bytes());
+    }
+    frame.resize(64, 0);
+    for plane in planes(PIXELS_RGB).chunks(8) {
+        frame.push(7);
+        frame.extend(plane);
+        frame.push(0x80);
+    }
+    let rle = packed("1.2.840.10008.1.2.5", &color_image(4, 2, "RGB", 0), &frame);
+    assert_eq!(colors_of(&rle), as_f64(PIXELS_RGB));
+    let rle = packed(
+        "1.2.840.10008.1.2.5",
+        &color_image(4, 2, "YBR_FULL", 1),
+        &frame,
+    );
+    assert_eq!(colors_of(&rle), as_f64(PIXELS_OF_YBR));
+
+    let frame = of_hex(COLORS_IN_JPEG_2000);
+    let set = color_image(4, 2, "YBR_RCT", 0);
+    let jpeg_2000 = packed("1.2.840.10008.1.2.4.90", &set, &frame);
+    assert_eq!(colors_of(&jpeg_2000), as_f64(PIXELS_RGB));
+
+    // Luminance without a choice, and gray images have nothing to choose.
+    let loaded = read(&[("a.dcm", &jpeg_2000)]).unwrap();
+    assert_eq!(loaded.volume.value(0, 0, 0), 185.0);
+    assert!(loaded.notes.iter().any(|note| note.contains("luminance")));
+}
+
+#[test]
+fn colors_in_lossy_jpeg_are_what_the_stream_says() {
+    let jpeg = of_hex(COLORS_IN_JPEG);
+    // The first and the last pixel as libjpeg decodes them, and without the transform.
+    let (rgb, ybr) = (
+        [[41, 199, 1], [179, 61, 137]],
+        [[129, 56, 65], [105, 146, 181]],
+    );
+    let without_jfif = [&jpeg[..2], &jpeg[20..]].concat();
+    for (photometric, frame, expected) in [
+        ("YBR_FULL_422", &jpeg, rgb),
+        ("RGB", &jpeg, rgb),
+        ("YBR_FULL_422", &without_jfif, rgb),
+        ("RGB", &without_jfif, ybr),
+    ] {
+        let set = color_image(8, 8, photometric, 0);
+        let found = colors_of(&packed("1.2.840.10008.1.2.4.50", &set, frame));
+        for (found, expected) in [found[0], found[63]].iter().zip(expected) {
+            for (found, expected) in found.iter().zip(expected) {
+                let difference = (found - f64::from(expected)).abs();
+                assert!(
+                    difference <= 1.0,
+                    "{photometric}: {found} is not {expected}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn indices_stand_for_colors_of_the_palette() {
+    let tables = |set: &mut Set, descriptor: [u16; 3], tables: [Vec<u8>; 3]| {
+        for (i, table) in tables.iter().enumerate() {
+            set.shorts((0x28, 0x1101 + i as u16), b"US", &descriptor)
+                .put((0x28, 0x1201 + i as u16), b"OW", table);
+        }
+    };
+    let palette = |descriptor: [u16; 3], of_colors: [Vec<u8>; 3]| {
+        let mut set = color_image(4, 1, "PALETTE COLOR", 0);
+        set.shorts((0x28, 2), b"US", &[1])
+            .put(PIXELS, b"OB", &[0, 2, 3, 9]);
+        tables(&mut set, descriptor, of_colors);
+        set
+    };
+    let words = |numbers: [u16; 3]| numbers.iter().flat_map(|n| n.to_le_bytes()).collect();
+    // Three colors from index 1 on; what lies outside gets the first or the last (PS3.3, C.7.6.3.1.5).
+    let wide = [[1, 2, 300], [4, 5, 600], [7, 8, 65535]].map(words);
+    let set = palette([3, 1, 16], wide);
+    let (first, second) = ([1.0, 4.0, 7.0], [2.0, 5.0, 8.0]);
+    let third = [300.0, 600.0, 65535.0];
+    assert_eq!(colors_of(&set.file()), [first, second, third, third]);
+    let narrow = [vec![10, 20, 30], vec![40, 50, 60], vec![70, 80, 90]];
+    let set = palette([3, 1, 8], narrow.clone());
+    let last = [30.0, 60.0, 90.0];
+    assert_eq!(
+        colors_of(&set.file()),
+        [[10.0, 40.0, 70.0], [20.0, 50.0, 80.0], last, last]
+    );
+    // Shades of gray are one number, and object ids are the indices.
+    let gray = palette([3, 1, 8], [vec![5, 6, 7], vec![5, 6, 7], vec![5, 6, 7]]);
+    let loaded = one(&gray).unwrap();
+    assert_eq!(*loaded.volume.samples(), Samples::U8(vec![5, 6, 7, 7]));
+    let options = ReadOptions {
+        as_labels: true,
+        ..ReadOptions::default()
+    };
+    let labels = read_with(&[("a.dcm", &set.file())], &options).unwrap();
+    assert_eq!(*labels.volume.samples(), Samples::U8(vec![0, 2, 3, 9]));
+
+    let short = palette([5, 1, 8], narrow);
+    assert!(message(&[("a.dcm", &short.file())]).contains("of 5 numbers of 8 or 16 bits"));
+    let mut missing = palette([3, 1, 8], Default::default());
+    missing
+        .0
+        .retain(|element| element.1 < 0x1200 || element.0 > 0x28);
+    assert!(message(&[("a.dcm", &missing.file())]).contains("RedPaletteColorLookupTableData"));
+}
+
+#[test]
+fn colors_that_are_not_read_are_named() {
+    for (photometric, part) in [
+        ("HSV", "HSV with 3 samples"),
+        ("YBR_PARTIAL_422", "YBR_PARTIAL_422"),
+    ] {
+        let mut set = color_image(4, 2, photometric, 0);
+        set.put(PIXELS, b"OB", &[0; 24]);
+        assert!(message(&[("a.dcm", &set.file())]).contains(part));
+    }
+    // Fewer bytes than three numbers per pixel.
+    let mut set = color_image(4, 2, "RGB", 0);
+    set.put(PIXELS, b"OB", &[0; 22]);
+    assert!(message(&[("a.dcm", &set.file())]).contains("cut off"));
+    let mut set = color_image(3, 2, "YBR_FULL_422", 0);
+    set.put(PIXELS, b"OB", &[0; 12]);
+    assert!(message(&[("a.dcm", &set.file())]).contains("an even number"));
+    let set = color_image(4, 2, "RGB", 0);
+    let jpeg_ls = packed("1.2.840.10008.1.2.4.80", &set, &[0; 64]);
+    assert!(message(&[("a.dcm", &jpeg_ls)]).contains("color in JPEG-LS"));
 }
 
 /// A CSA header with text values, in version 1 or 2.

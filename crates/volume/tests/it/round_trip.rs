@@ -3,10 +3,11 @@
 use crate::{assert_affine, bits};
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use proptest::prelude::*;
-use strahl_volume::read::{LoadedVolume, RawLayout, ReadOptions, read_file};
-use strahl_volume::write::{NewMemoryFiles, WriteOptions, write};
+use strahl_volume::read::{LoadedVolume, RawLayout, ReadOptions, read_components, read_file};
+use strahl_volume::write::{NewMemoryFiles, WriteOptions, write, write_components};
 use strahl_volume::{
-    Grid, Label, Metadata, Modality, Rescale, Sample, SampleType, Samples, Volume, with_samples,
+    Components, Error, Grid, Label, Metadata, Modality, Remedy, Rescale, Sample, SampleType,
+    Samples, Volume, with_samples,
 };
 
 fn samples_of(sample_type: SampleType, bytes: &[u8], count: usize) -> Samples {
@@ -304,4 +305,108 @@ fn a_name_that_the_header_cannot_hold_is_refused() {
     let mut folder = NewMemoryFiles::default();
     assert!(write("v%d.mhd", &ct(), &WriteOptions::default(), &mut folder).is_err());
     assert!(folder.0.is_empty());
+}
+
+/// Volumes of 2 × 2 × 1 voxels, one for each number of a voxel: `10 · component + voxel`.
+fn components(sample_type: SampleType, count: usize, are_colors: bool) -> Vec<Volume> {
+    let one = |component: usize| {
+        let mut samples = Samples::new(sample_type);
+        with_samples!(&mut samples, s => numbers(s, component));
+        let metadata = Metadata {
+            components: Components { count, are_colors },
+            ..Metadata::default()
+        };
+        let grid = Grid::centred([2, 2, 1], DVec3::new(1.0, 2.0, 3.0)).unwrap();
+        Volume::new(grid, samples, Rescale::new(2.0, 1.0), metadata).unwrap()
+    };
+    (0..count).map(one).collect()
+}
+
+fn numbers<T: Sample>(into: &mut Vec<T>, component: usize) {
+    into.extend((0..4).map(|voxel| T::from_f64((10 * component + voxel) as f64)));
+}
+
+fn has(file: &[u8], text: &str) -> bool {
+    file.windows(text.len()).any(|part| part == text.as_bytes())
+}
+
+#[test]
+fn all_numbers_of_a_voxel_are_kept() {
+    let cases = [
+        (SampleType::U8, 3, true),
+        (SampleType::U8, 4, true),
+        (SampleType::U16, 3, true),
+        (SampleType::U8, 3, false),
+        (SampleType::F32, 2, false),
+        (SampleType::I16, 6, false),
+    ];
+    let names = ["v.nii", "v.nii.gz", "v.nrrd", "v.mha", "v.mhd"];
+    for ((sample_type, count, are_colors), name) in cases
+        .iter()
+        .flat_map(|case| names.map(|name| (*case, name)))
+    {
+        let written = components(sample_type, count, are_colors);
+        let mut folder = NewMemoryFiles::default();
+        write_components(name, &written, &WriteOptions::default(), &mut folder).unwrap();
+        let mut read = |component| {
+            let options = ReadOptions {
+                component,
+                ..ReadOptions::default()
+            };
+            read_file(name, &folder.0, &options)
+        };
+        let wants = |error: &Error| error.remedy() == Some(Remedy::Component);
+        let loaded = read_components(&mut read, wants).unwrap();
+        assert!(loaded.notes.is_empty(), "{name}: {:?}", loaded.notes);
+        assert_eq!(loaded.volumes.len(), count, "{name}");
+        for (component, volume) in loaded.volumes.iter().enumerate() {
+            let found: Vec<f64> = (0..4).map(|i| volume.value(i % 2, i / 2, 0)).collect();
+            let value = |voxel| f64::from(2 * (10 * component as u32 + voxel) + 1);
+            assert_eq!(found, [0, 1, 2, 3].map(value), "{name} {component}");
+        }
+    }
+}
+
+/// What nibabel, pynrrd and SimpleITK read of such files.
+#[test]
+fn headers_say_what_the_numbers_of_a_voxel_are() {
+    let written = |name: &str, sample_type, count, are_colors| {
+        let volumes = components(sample_type, count, are_colors);
+        let mut folder = NewMemoryFiles::default();
+        write_components(name, &volumes, &WriteOptions::default(), &mut folder).unwrap();
+        folder.0.remove(name).unwrap()
+    };
+    let i16_at = |file: &[u8], at: usize| i16::from_le_bytes([file[at], file[at + 1]]);
+    // Datatype, bits, number of dimensions, dim[5], intent.
+    for (case, expected) in [
+        ((SampleType::U8, 3, true), [128, 24, 3, 1, 0]),
+        ((SampleType::U8, 4, true), [2304, 32, 3, 1, 0]),
+        ((SampleType::U16, 3, true), [512, 16, 5, 3, 1007]),
+        ((SampleType::F32, 2, false), [16, 32, 5, 2, 1007]),
+    ] {
+        let (sample_type, count, are_colors) = case;
+        let file = written("v.nii", sample_type, count, are_colors);
+        assert_eq!(
+            [70, 72, 40, 50, 68].map(|at| i16_at(&file, at)),
+            expected,
+            "{case:?}"
+        );
+    }
+    let file = written("v.nrrd", SampleType::U8, 3, true);
+    assert!(has(&file, "\ndimension: 4\n") && has(&file, "\nsizes: 3 2 2 1\n"));
+    assert!(has(&file, "\nspace directions: none (1,0,0) "));
+    assert!(has(&file, "\nkinds: RGB-color domain domain domain\n"));
+    let file = written("v.nrrd", SampleType::F32, 2, false);
+    assert!(has(&file, "\nkinds: vector domain domain domain\n"));
+    let file = written("v.mha", SampleType::F32, 2, false);
+    assert!(has(&file, "\nElementNumberOfChannels = 2\n"));
+
+    for name in ["v.npy", "v.raw"] {
+        let volumes = components(SampleType::U8, 3, true);
+        let mut folder = NewMemoryFiles::default();
+        let written = write_components(name, &volumes, &WriteOptions::default(), &mut folder);
+        let error = written.unwrap_err();
+        assert!(error.to_string().contains("write .nrrd"), "{error}");
+        assert_eq!(error.remedy(), Some(Remedy::Component));
+    }
 }

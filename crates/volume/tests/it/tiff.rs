@@ -405,11 +405,14 @@ fn what_the_user_should_know_is_noted() {
 #[test]
 fn what_is_not_grey_is_refused() {
     let page = || u8_pages(1).remove(0);
-    let palette = [0; 768].to_vec();
     for (page, part) in [
         (
-            page().set(262, SHORT, &[3]).set(320, SHORT, &palette),
-            "color (a palette)",
+            page().set(262, SHORT, &[3]).set(320, SHORT, &[0; 765]),
+            "ColorMap of page 1 is of 765 numbers",
+        ),
+        (
+            page().set(262, SHORT, &[3]),
+            "ColorMap of page 1 is missing",
         ),
         (
             page().set(262, SHORT, &[6]).set(277, SHORT, &[3]),
@@ -833,4 +836,76 @@ fn colours_become_luminance_and_components_can_be_picked() {
     assert_eq!(pick(&grey, None).unwrap(), [1.0, 2.0, 3.0]);
     assert!(pick(&two, None).unwrap_err().to_string().contains("0 to 1"));
     assert_eq!(pick(&two, Some(1)).unwrap(), [255.0, 255.0, 0.0]);
+}
+
+/// Four pixels of two bits: indices 0, 1, 2, 3.
+fn indices(palette: &[u64]) -> Page {
+    Page::new(4, 1, 2, 1, &[0b0001_1011])
+        .set(262, SHORT, &[3])
+        .set(320, SHORT, palette)
+}
+
+#[test]
+fn indices_stand_for_the_colors_of_their_palette() {
+    // Black, red, green and (10, 20, 30): all reds, then all greens, then all blues, times 257.
+    let reds_greens_blues = [0, 255, 0, 10, 0, 0, 255, 20, 0, 0, 0, 30];
+    let wide = reds_greens_blues.map(|c| 257 * c);
+    let values = |pages: Vec<Page>, options: &ReadOptions| {
+        let loaded = read_with(&[("v.tif", &Tiff::new(pages).bytes())], options)?;
+        let [nx, _, nz] = loaded.volume.grid().dims();
+        let value = |i: usize| loaded.volume.value(i % nx, 0, i / nx);
+        Ok::<_, strahl_volume::Error>((0..nx * nz).map(value).collect::<Vec<_>>())
+    };
+    let plain = ReadOptions::default();
+    let blue = ReadOptions {
+        component: Some(2),
+        ..ReadOptions::default()
+    };
+    // What Pillow gives in mode L (BT.601) differs; these are the greys of BT.709.
+    let luminance = [0.0, 54.0, 182.0, 19.0];
+    for palette in [wide, reds_greens_blues] {
+        assert_eq!(values(vec![indices(&palette)], &plain).unwrap(), luminance);
+        let blues = values(vec![indices(&palette)], &blue).unwrap();
+        assert_eq!(blues, [0.0, 0.0, 0.0, 30.0]);
+    }
+    // Two pages of one palette make a stack, of two palettes not.
+    let two = values(vec![indices(&wide), indices(&wide)], &plain).unwrap();
+    assert_eq!(two, [luminance, luminance].concat());
+    let other = values(vec![indices(&wide), indices(&[0; 12])], &plain);
+    assert!(
+        other
+            .unwrap_err()
+            .to_string()
+            .contains("page 2 has another palette")
+    );
+    // A palette of greys: one number per voxel.
+    let grey = [65535, 30000, 256, 0].repeat(3);
+    assert_eq!(
+        values(vec![indices(&grey)], &plain).unwrap(),
+        [255.0, 117.0, 1.0, 0.0]
+    );
+    assert!(values(vec![indices(&grey)], &blue).is_err());
+    // Object ids are the indices.
+    let labels = ReadOptions {
+        as_labels: true,
+        ..ReadOptions::default()
+    };
+    let ids = values(vec![indices(&wide)], &labels).unwrap();
+    assert_eq!(ids, [0.0, 1.0, 2.0, 3.0]);
+    // 16 bits of index.
+    let reds: Vec<u64> = (0..65536).collect();
+    let map = [
+        reds.clone(),
+        reds.iter().rev().copied().collect(),
+        vec![0; 65536],
+    ]
+    .concat();
+    let page = Page::new(2, 1, 16, 1, &[0x00, 0xFF, 0x34, 0x12])
+        .set(262, SHORT, &[3])
+        .set(320, SHORT, &map);
+    let green = ReadOptions {
+        component: Some(1),
+        ..ReadOptions::default()
+    };
+    assert_eq!(values(vec![page], &green).unwrap(), [0.0, 237.0]);
 }

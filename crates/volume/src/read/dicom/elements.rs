@@ -103,6 +103,16 @@ const VALUES: &[Tag] = &[
     tags::NOMINAL_CARDIAC_TRIGGER_DELAY_TIME,
     tags::SAMPLES_PER_PIXEL,
     tags::PHOTOMETRIC_INTERPRETATION,
+    tags::PLANAR_CONFIGURATION,
+    tags::RED_PALETTE_DESCRIPTOR,
+    tags::GREEN_PALETTE_DESCRIPTOR,
+    tags::BLUE_PALETTE_DESCRIPTOR,
+    tags::RED_PALETTE_DATA,
+    tags::GREEN_PALETTE_DATA,
+    tags::BLUE_PALETTE_DATA,
+    tags::SEGMENTED_RED_PALETTE_DATA,
+    tags::SEGMENTED_GREEN_PALETTE_DATA,
+    tags::SEGMENTED_BLUE_PALETTE_DATA,
     tags::NUMBER_OF_FRAMES,
     tags::ROWS,
     tags::COLUMNS,
@@ -671,7 +681,17 @@ impl<'a> Walk<'a> {
                 | tags::SEGMENT_NUMBER
                 | tags::REFERENCED_SEGMENT_NUMBER
                 | tags::RECOMMENDED_DISPLAY_CIELAB_VALUE
-                | tags::MAXIMUM_FRACTIONAL_VALUE => 2,
+                | tags::MAXIMUM_FRACTIONAL_VALUE
+                | tags::PLANAR_CONFIGURATION
+                | tags::RED_PALETTE_DESCRIPTOR
+                | tags::GREEN_PALETTE_DESCRIPTOR
+                | tags::BLUE_PALETTE_DESCRIPTOR
+                | tags::RED_PALETTE_DATA
+                | tags::GREEN_PALETTE_DATA
+                | tags::BLUE_PALETTE_DATA
+                | tags::SEGMENTED_RED_PALETTE_DATA
+                | tags::SEGMENTED_GREEN_PALETTE_DATA
+                | tags::SEGMENTED_BLUE_PALETTE_DATA => 2,
                 tags::TEMPORAL_POSITION_INDEX | tags::DIMENSION_INDEX_VALUES => 4,
                 tags::DIFFUSION_GRADIENT_ORIENTATION
                 | tags::EFFECTIVE_ECHO_TIME

@@ -5,8 +5,9 @@ use super::image::{Image, Lookup};
 use super::keys::{self, KeyValues};
 use super::mosaic::{Mosaic, Tile};
 use super::nuclear::Nuclear;
-use super::pixels::{Layout, missing, missing_spacing};
-use super::tags::{self, Tag, field_name};
+use super::pixels::{Layout, missing_spacing};
+use super::segmentation;
+use super::tags::{self, Tag, field_name, missing};
 use crate::error::{Error, ErrorKind, Remedy};
 use crate::{Rescale, read::ReadOptions};
 use glam::DVec3;
@@ -52,7 +53,10 @@ pub(super) fn of_image(
     notes: &mut Vec<String>,
 ) -> Result<Result<Vec<Frame>, Tag>, Error> {
     let set = image.set();
-    let layout = Layout::of(set, &image.pixels)?;
+    let keeps_indices = options.as_labels
+        || options.label_table.is_some()
+        || segmentation::labels_of_map(set).is_some();
+    let layout = Layout::of(set, &image.pixels, keeps_indices)?;
     if set.has(tags::MODALITY_LUT_SEQUENCE) && !set.items(tags::MODALITY_LUT_SEQUENCE).is_empty() {
         return Err(ErrorKind::Unsupported {
             feature: field_name(tags::MODALITY_LUT_SEQUENCE),

@@ -1,13 +1,15 @@
 //! The samples of one frame: found in the file, unpacked, put into the range of their stored bits.
 
+use super::color::{self, Color, Palette};
 use super::elements::{DataSet, Elements, PixelData};
 use super::syntax::{CONVERT, Packing};
-use super::tags::{self, Tag, field_name};
+use super::tags::{self, Tag, field_name, missing};
 use super::{jpeg_lossless, jpeg_ls, rle};
 use crate::error::{Error, ErrorKind, Remedy};
 use crate::read::Bytes;
 use crate::read::block::zeroed;
-use crate::{Sample, SampleType};
+use crate::read::components::{self, Choice};
+use crate::{Components, Sample, SampleType};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// How the samples of a frame are stored.
@@ -17,6 +19,8 @@ pub(super) struct Layout {
     pub(super) rows: usize,
     /// The type that a stored sample gets in memory.
     pub(super) sample_type: SampleType,
+    /// What the stored numbers of a pixel are.
+    color: Color,
     /// Bits that hold the sample …
     bits_stored: u32,
     /// … beginning this many bits above the lowest.
@@ -24,34 +28,22 @@ pub(super) struct Layout {
 }
 
 impl Layout {
-    /// What the elements say, checked.
+    /// What the elements say, checked. Indices of a palette count as values if `keeps_indices`.
     ///
     /// # Errors
-    /// A missing or impossible value, or pixels that are no scalars.
-    pub(super) fn of(set: &DataSet, pixels: &PixelData) -> Result<Layout, Error> {
+    /// A missing or impossible value, or colors that are not read.
+    pub(super) fn of(
+        set: &DataSet,
+        pixels: &PixelData,
+        keeps_indices: bool,
+    ) -> Result<Layout, Error> {
         let edge = |tag: Tag| match set.u16(tag) {
             Some(0) => Err(Error::field(field_name(tag), 0, "1 to 65535")),
             Some(n) => Ok(usize::from(n)),
             None => Err(missing(tag, "1 to 65535")),
         };
         let (rows, columns) = (edge(tags::ROWS)?, edge(tags::COLUMNS)?);
-        let photometric = set.text(tags::PHOTOMETRIC_INTERPRETATION);
-        let samples = set.u16(tags::SAMPLES_PER_PIXEL).unwrap_or(1);
-        if samples != 1
-            || !matches!(
-                photometric.as_deref(),
-                None | Some("MONOCHROME1" | "MONOCHROME2")
-            )
-        {
-            return Err(ErrorKind::Unsupported {
-                feature: format!(
-                    "{} with {samples} samples per pixel",
-                    photometric.as_deref().unwrap_or("colour")
-                ),
-                instead: "only grey images (MONOCHROME1, MONOCHROME2) make a volume; convert color to grey first".into(),
-            }
-            .into());
-        }
+        let color = Color::of(set, keeps_indices)?;
         let allocated = match pixels.tag {
             tags::FLOAT_PIXEL_DATA => 32,
             tags::DOUBLE_FLOAT_PIXEL_DATA => 64,
@@ -116,10 +108,32 @@ impl Layout {
             }
             shift = high + 1 - bits_stored;
         }
+        let is_narrow = matches!(sample_type, SampleType::U8 | SampleType::U16);
+        if color != Color::Gray && !is_narrow {
+            return Err(Error::field(
+                "the type of the colors",
+                sample_type,
+                "unsigned of 8 or 16 bits",
+            ));
+        }
+        let (sample_type, color) = match color {
+            Color::Palette { is_gray, .. } => {
+                let index = sample_type;
+                let colors = Palette::of(set)?.sample_type;
+                (colors, Color::Palette { index, is_gray })
+            }
+            // Two neighbors share their differences.
+            Color::Ybr422 if columns % 2 == 1 => {
+                let allowed = "an even number for YBR_FULL_422";
+                return Err(Error::field(field_name(tags::COLUMNS), columns, allowed));
+            }
+            color => (sample_type, color),
+        };
         Ok(Layout {
             columns,
             rows,
             sample_type,
+            color,
             bits_stored,
             shift,
         })
@@ -141,7 +155,17 @@ impl Layout {
 
     /// Bytes of a frame that is not packed.
     pub(super) fn frame_bytes(&self) -> u64 {
-        self.frame_samples() as u64 * self.sample_type.size() as u64
+        let pixel_bytes = match self.color {
+            Color::Palette { index, .. } => index.size(),
+            Color::Ybr422 => 2 * self.sample_type.size(),
+            color => color.stored_numbers() * self.sample_type.size(),
+        };
+        self.frame_samples() as u64 * pixel_bytes as u64
+    }
+
+    /// What a pixel is, of which one number is read.
+    pub(super) fn components(&self) -> Components {
+        self.color.components()
     }
 
     /// The same number, from the stored bits alone: what lies above them may be an old overlay.
@@ -158,14 +182,6 @@ impl Layout {
     }
 }
 
-pub(super) fn missing(tag: Tag, allowed: &str) -> Error {
-    ErrorKind::Missing {
-        field: field_name(tag),
-        allowed: allowed.to_owned(),
-    }
-    .into()
-}
-
 /// What to say of `slices` frames whose distance nothing says.
 pub(super) fn missing_spacing(slices: usize) -> Error {
     Error::from(ErrorKind::Unsupported {
@@ -179,7 +195,7 @@ pub(super) fn missing_spacing(slices: usize) -> Error {
 }
 
 /// An element type of DICOM pixels.
-pub(super) trait Stored: Sample {
+pub(super) trait Stored: Sample + Default {
     /// The sample whose low bits these are.
     fn from_low_bits(bits: i64) -> Self;
     /// The sample as a number; for floating point the truth does not matter, nobody asks.
@@ -278,6 +294,10 @@ pub(super) struct Source<'a> {
     pixels: PixelData,
     layout: &'a Layout,
     bytes: &'a dyn Bytes,
+    /// Which number of a pixel is read.
+    choice: Choice,
+    /// The colors of indices.
+    palette: Option<Palette>,
     /// For packed pixels: which bytes make each frame.
     fragments: Vec<Vec<(u64, u64)>>,
 }
@@ -286,13 +306,14 @@ impl<'a> Source<'a> {
     /// `bytes` counts as the pixels' offset does: the file, or its inflated data set.
     ///
     /// # Errors
-    /// Fragments that do not make `frames` frames.
+    /// Fragments that do not make `frames` frames; a damaged palette.
     pub(super) fn new(
         elements: &'a Elements,
         pixels: PixelData,
         layout: &'a Layout,
         frames: usize,
         bytes: &'a dyn Bytes,
+        choice: Choice,
     ) -> Result<Source<'a>, Error> {
         let fragments = match elements.syntax.is_encapsulated {
             true => fragments_of_frames(bytes, &pixels, &elements.set, frames)?,
@@ -303,43 +324,86 @@ impl<'a> Source<'a> {
             pixels,
             layout,
             bytes,
+            choice,
+            palette: match layout.color {
+                Color::Palette { .. } => Some(Palette::of(&elements.set)?),
+                _ => None,
+            },
             fragments,
         })
     }
 
-    /// Reads a frame, row by row, into `samples`, whose type is that of the layout.
+    /// Reads one number of each pixel of a frame, row by row, into `samples`, whose type is that of the layout.
     ///
     /// # Errors
     /// Damaged or unsupported data, or what the system says.
     pub(super) fn read<T: Stored>(&self, frame: usize, samples: &mut [T]) -> Result<(), Error> {
         assert_eq!(T::TYPE, self.layout.sample_type);
         assert_eq!(samples.len(), self.layout.frame_samples());
+        match (self.layout.color, &self.palette) {
+            (Color::Gray, _) => self.read_numbers(frame, samples).map(|_| ()),
+            (Color::Palette { index, .. }, Some(palette)) => match index {
+                SampleType::U8 => self.look_up::<u8, T>(frame, palette, samples),
+                _ => self.look_up::<u16, T>(frame, palette, samples),
+            },
+            (color, _) => {
+                let mut numbers = zeroed(samples.len() * color.stored_numbers())?;
+                let are_rgb = self.read_numbers(frame, &mut numbers)?;
+                if !are_rgb && !matches!(color, Color::Rgb { .. }) {
+                    color::to_rgb(&mut numbers, self.layout.bits_stored);
+                }
+                self.choose(numbers, samples);
+                Ok(())
+            }
+        }
+    }
+
+    /// The colors of the indices of a frame.
+    fn look_up<I: Stored, T: Stored>(
+        &self,
+        frame: usize,
+        palette: &Palette,
+        samples: &mut [T],
+    ) -> Result<(), Error> {
+        let mut indices = zeroed::<I>(samples.len())?;
+        self.read_numbers(frame, &mut indices)?;
+        let mut colors = zeroed::<T>(3 * samples.len())?;
+        for (color, index) in colors.chunks_exact_mut(3).zip(indices) {
+            let found = palette.color(index.to_number() as usize);
+            color.copy_from_slice(&found.map(|number| T::from_low_bits(number.into())));
+        }
+        self.choose(colors, samples);
+        Ok(())
+    }
+
+    /// One number of each color.
+    fn choose<T: Stored>(&self, colors: Vec<T>, samples: &mut [T]) {
+        let chosen = components::reduced(T::wrap(colors), 3, self.choice);
+        if let Some(chosen) = T::of(&chosen) {
+            samples.copy_from_slice(chosen);
+        }
+    }
+
+    /// Reads the stored numbers of a frame, those of a pixel side by side. Returns whether they are red, green and
+    /// blue, whatever the elements say.
+    fn read_numbers<T: Stored>(&self, frame: usize, numbers: &mut [T]) -> Result<bool, Error> {
         let syntax = &self.elements.syntax;
         if !syntax.is_encapsulated {
             let offset = self.pixels.offset + frame as u64 * self.layout.frame_bytes();
-            self.bytes
-                .read_at(offset, bytemuck::cast_slice_mut(samples))?;
-            if syntax.is_big_endian && T::TYPE.size() == 1 && self.pixels.is_ow {
-                // Written as 16-bit words, each with its first byte behind.
-                bytemuck::cast_slice_mut::<T, u8>(samples)
-                    .chunks_exact_mut(2)
-                    .for_each(<[u8]>::reverse);
-            }
-            if syntax.is_big_endian != cfg!(target_endian = "big") {
-                samples.iter_mut().for_each(|s| *s = s.swapped());
-            }
-            self.keep_stored_bits(samples);
-            return Ok(());
+            self.in_order(numbers, &|numbers| self.read_plain(offset, numbers))?;
+            self.keep_stored_bits(numbers);
+            return Ok(false);
         }
         let packed = self.packed(frame)?;
         match syntax.packing {
-            Packing::Native | Packing::Rle => {
-                let bytes: &mut [u8] = bytemuck::cast_slice_mut(samples);
-                if syntax.packing == Packing::Rle {
-                    rle::decode(&packed, T::TYPE.size(), bytes)
-                        .map_err(|why| compression("RLE", why))?;
-                } else {
-                    let found = packed.len() as u64;
+            Packing::Rle => {
+                self.rle(&packed, numbers)?;
+                self.keep_stored_bits(numbers);
+            }
+            Packing::Native => {
+                let found = packed.len() as u64;
+                self.in_order(numbers, &|numbers| {
+                    let bytes: &mut [u8] = bytemuck::cast_slice_mut(numbers);
                     bytes.copy_from_slice(packed.get(..bytes.len()).ok_or_else(|| {
                         ErrorKind::Truncated {
                             what: format!("frame {}", frame + 1),
@@ -347,21 +411,86 @@ impl<'a> Source<'a> {
                             found,
                         }
                     })?);
-                }
-                if cfg!(target_endian = "big") {
-                    samples.iter_mut().for_each(|s| *s = s.swapped());
-                }
-                self.keep_stored_bits(samples);
+                    from_little_endian(numbers);
+                    Ok(())
+                })?;
+                self.keep_stored_bits(numbers);
             }
-            Packing::Jpeg => guarded("JPEG", || self.jpeg(&packed, samples))?,
-            Packing::Jpeg2000 => guarded("JPEG 2000", || self.jpeg_2000(&packed, samples))?,
-            Packing::JpegLs => {
-                let mut decoded = zeroed(samples.len())?;
-                jpeg_ls::decode(&packed, self.layout.columns, self.layout.rows, &mut decoded)
-                    .map_err(|why| compression("JPEG-LS", why))?;
-                self.take(decoded.iter().map(|v| i64::from(*v)), samples);
-            }
+            Packing::Jpeg => return guarded("JPEG", || self.jpeg(&packed, numbers)),
+            Packing::Jpeg2000 => guarded("JPEG 2000", || self.jpeg_2000(&packed, numbers))?,
+            Packing::JpegLs => self.jpeg_ls(&packed, numbers)?,
         }
+        Ok(false)
+    }
+
+    /// What `read` gives as it is stored, with the numbers of a pixel side by side.
+    fn in_order<T: Stored>(
+        &self,
+        numbers: &mut [T],
+        read: &dyn Fn(&mut [T]) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        match self.layout.color {
+            Color::Rgb { is_planar: true } | Color::Ybr { is_planar: true } => {
+                let mut planes = zeroed(numbers.len())?;
+                read(&mut planes)?;
+                color::of_planes(&planes, numbers);
+                Ok(())
+            }
+            Color::Ybr422 => {
+                let mut pairs = zeroed(numbers.len() / 3 * 2)?;
+                read(&mut pairs)?;
+                color::of_pairs(&pairs, numbers);
+                Ok(())
+            }
+            _ => read(numbers),
+        }
+    }
+
+    /// Numbers that lie in the file as they are.
+    fn read_plain<T: Stored>(&self, offset: u64, numbers: &mut [T]) -> Result<(), Error> {
+        let syntax = &self.elements.syntax;
+        self.bytes
+            .read_at(offset, bytemuck::cast_slice_mut(numbers))?;
+        if syntax.is_big_endian && T::TYPE.size() == 1 && self.pixels.is_ow {
+            // Written as 16-bit words, each with its first byte behind.
+            bytemuck::cast_slice_mut::<T, u8>(numbers)
+                .chunks_exact_mut(2)
+                .for_each(<[u8]>::reverse);
+        }
+        if syntax.is_big_endian != cfg!(target_endian = "big") {
+            numbers.iter_mut().for_each(|s| *s = s.swapped());
+        }
+        Ok(())
+    }
+
+    fn rle<T: Stored>(&self, packed: &[u8], numbers: &mut [T]) -> Result<(), Error> {
+        let count = self.layout.color.stored_numbers();
+        let failed = |why| compression("RLE", why);
+        if count == 1 {
+            let bytes = bytemuck::cast_slice_mut(numbers);
+            rle::decode(packed, T::TYPE.size(), 1, bytes).map_err(failed)?;
+        } else {
+            let mut planes = zeroed::<T>(numbers.len())?;
+            let bytes = bytemuck::cast_slice_mut(&mut planes);
+            rle::decode(packed, T::TYPE.size(), count, bytes).map_err(failed)?;
+            color::of_planes(&planes, numbers);
+        }
+        from_little_endian(numbers);
+        Ok(())
+    }
+
+    fn jpeg_ls<T: Stored>(&self, packed: &[u8], numbers: &mut [T]) -> Result<(), Error> {
+        if self.layout.color.stored_numbers() > 1 {
+            return Err(ErrorKind::Unsupported {
+                feature: "color in JPEG-LS".into(),
+                instead: CONVERT.into(),
+            }
+            .into());
+        }
+        let mut decoded = zeroed(numbers.len())?;
+        jpeg_ls::decode(packed, self.layout.columns, self.layout.rows, &mut decoded)
+            .map_err(|why| compression("JPEG-LS", why))?;
+        self.take(decoded.iter().map(|v| i64::from(*v)), numbers);
         Ok(())
     }
 
@@ -400,8 +529,9 @@ impl<'a> Source<'a> {
         Ok(packed)
     }
 
-    fn jpeg<T: Stored>(&self, packed: &[u8], samples: &mut [T]) -> Result<(), Error> {
-        use jpeg_decoder::PixelFormat;
+    /// Returns whether the numbers are red, green and blue: lossy JPEG undoes its transform itself.
+    fn jpeg<T: Stored>(&self, packed: &[u8], samples: &mut [T]) -> Result<bool, Error> {
+        use jpeg_decoder::{ColorTransform, PixelFormat};
         let frame = jpeg_frame(packed).map_err(|why| compression("JPEG", why))?;
         self.check_frame("JPEG", frame.columns, frame.rows, frame.components)?;
         if frame.bits == 12 && !frame.is_lossless {
@@ -414,19 +544,27 @@ impl<'a> Source<'a> {
         if frame.is_lossless {
             let mut decoded = zeroed(samples.len())?;
             let (columns, rows) = (self.layout.columns, self.layout.rows);
-            jpeg_lossless::decode(packed, columns, rows, 1, &mut decoded)
+            jpeg_lossless::decode(packed, columns, rows, frame.components, &mut decoded)
                 .map_err(|why| compression("lossless JPEG", why))?;
             self.take(decoded.iter().map(|v| i64::from(*v)), samples);
-            return Ok(());
+            return Ok(false);
         }
         let mut decoder = jpeg_decoder::Decoder::new(packed);
         decoder.set_max_decoding_buffer_size(2 * samples.len());
+        if frame.components == 3 {
+            match (frame.colors_by, self.layout.color) {
+                // The decoder follows it.
+                (Some(ColorMarker::Adobe), _) => {}
+                (None, Color::Rgb { .. }) => decoder.set_color_transform(ColorTransform::RGB),
+                _ => decoder.set_color_transform(ColorTransform::YCbCr),
+            }
+        }
         let decoded = decoder
             .decode()
             .map_err(|error| compression("JPEG", error.to_string()))?;
         let format = decoder.info().map(|info| info.pixel_format);
         match format {
-            Some(PixelFormat::L8) if decoded.len() == samples.len() => {
+            Some(PixelFormat::L8 | PixelFormat::RGB24) if decoded.len() == samples.len() => {
                 self.take(decoded.iter().map(|v| i64::from(*v)), samples);
             }
             Some(PixelFormat::L16) if decoded.len() == 2 * samples.len() => {
@@ -442,7 +580,7 @@ impl<'a> Source<'a> {
                 ));
             }
         }
-        Ok(())
+        Ok(true)
     }
 
     fn jpeg_2000<T: Stored>(&self, packed: &[u8], samples: &mut [T]) -> Result<(), Error> {
@@ -455,16 +593,14 @@ impl<'a> Source<'a> {
         // Strict: else a cut stream decodes to a blurred image without a word.
         let parameters = jpeg2k::DecodeParameters::new().strict(true);
         let image = jpeg2k::Image::from_bytes_with(stream, parameters).map_err(failed)?;
-        let [component] = image.components() else {
-            return Err(compression("JPEG 2000", "it has not one component".into()));
-        };
-        self.check_frame(
-            "JPEG 2000",
-            component.width() as usize,
-            component.height() as usize,
-            1,
-        )?;
-        self.take(component.data().iter().map(|v| i64::from(*v)), samples);
+        let decoded = image.components();
+        for component in decoded {
+            let (width, height) = (component.width() as usize, component.height() as usize);
+            self.check_frame("JPEG 2000", width, height, decoded.len())?;
+        }
+        let count = self.layout.color.stored_numbers();
+        let number = |i: usize| i64::from(decoded[i % count].data()[i / count]);
+        self.take((0..samples.len()).map(number), samples);
         Ok(())
     }
 
@@ -476,16 +612,25 @@ impl<'a> Source<'a> {
         rows: usize,
         components: usize,
     ) -> Result<(), Error> {
-        if (columns, rows, components) == (self.layout.columns, self.layout.rows, 1) {
+        let (wanted_columns, wanted_rows) = (self.layout.columns, self.layout.rows);
+        let wanted = self.layout.color.stored_numbers();
+        if (columns, rows, components) == (wanted_columns, wanted_rows, wanted) {
             return Ok(());
         }
         Err(compression(
             codec,
             format!(
-                "it holds {columns}×{rows} samples of {components} components, the elements state {}×{} of 1",
-                self.layout.columns, self.layout.rows
+                "it holds {columns}×{rows} samples of {components} components, the elements state {wanted_columns}×{wanted_rows} of {wanted}"
             ),
         ))
+    }
+}
+
+fn from_little_endian<T: Sample>(numbers: &mut [T]) {
+    if cfg!(target_endian = "big") {
+        numbers
+            .iter_mut()
+            .for_each(|number| *number = number.swapped());
     }
 }
 
@@ -495,9 +640,18 @@ fn compression(codec: &'static str, why: String) -> Error {
 
 /// Runs a decoder of others. Theirs may panic on damaged data (slices out of range, arithmetic);
 /// that is the file's fault and must not end the program. Nothing they touched is used after it.
-fn guarded(codec: &'static str, decode: impl FnOnce() -> Result<(), Error>) -> Result<(), Error> {
+fn guarded<T>(codec: &'static str, decode: impl FnOnce() -> Result<T, Error>) -> Result<T, Error> {
     catch_unwind(AssertUnwindSafe(decode))
         .unwrap_or_else(|_| Err(compression(codec, "the data is damaged".into())))
+}
+
+/// A marker in JPEG that says what the colors are.
+#[derive(Clone, Copy, PartialEq)]
+enum ColorMarker {
+    /// Y, Cb and Cr.
+    Jfif,
+    /// One of several spaces.
+    Adobe,
 }
 
 struct JpegFrame {
@@ -506,6 +660,8 @@ struct JpegFrame {
     components: usize,
     bits: u8,
     is_lossless: bool,
+    /// Which marker before it says what the colors are.
+    colors_by: Option<ColorMarker>,
 }
 
 /// The first frame header of a JPEG stream.
@@ -514,6 +670,7 @@ fn jpeg_frame(data: &[u8]) -> Result<JpegFrame, String> {
         return Err("it does not begin with FF D8".into());
     }
     let mut at = 2;
+    let mut colors_by = None;
     loop {
         match data.get(at..at + 2) {
             Some([0xFF, 0xFF]) => at += 1,
@@ -528,9 +685,15 @@ fn jpeg_frame(data: &[u8]) -> Result<JpegFrame, String> {
                     columns: edge(3),
                     components: header[5].into(),
                     is_lossless: marker == 0xC3,
+                    colors_by,
                 });
             }
-            Some([0xFF, _]) => {
+            Some([0xFF, marker]) => {
+                match (*marker, data.get(at + 4..at + 9)) {
+                    (0xE0, Some(b"JFIF\0")) => colors_by = colors_by.or(Some(ColorMarker::Jfif)),
+                    (0xEE, Some(b"Adobe")) => colors_by = Some(ColorMarker::Adobe),
+                    _ => {}
+                }
                 let length = data.get(at + 2..at + 4).ok_or("it has no frame header")?;
                 at += 2 + (usize::from(length[0]) << 8 | usize::from(length[1])).max(2);
             }

@@ -8,21 +8,29 @@
 //! | …     | control byte n as i8: 0…127 copy n + 1 bytes; −127…−1      |
 //! |       | repeat the next byte 1 − n times; −128 nothing             |
 
-/// The bytes of a frame of `sample_bytes`-byte samples in little endian, `frame.len()` of them.
+/// The bytes of a frame of `sample_bytes`-byte samples in little endian, `frame.len()` of them: plane by plane, if
+/// there are several `components`.
 ///
 /// # Errors
 /// What is wrong with the data.
-pub(super) fn decode(data: &[u8], sample_bytes: usize, frame: &mut [u8]) -> Result<(), String> {
+pub(super) fn decode(
+    data: &[u8],
+    sample_bytes: usize,
+    components: usize,
+    frame: &mut [u8],
+) -> Result<(), String> {
     let word = |at: usize| -> Option<usize> {
         let bytes = data.get(at..at + 4)?.first_chunk()?;
         Some(u32::from_le_bytes(*bytes) as usize)
     };
     let segments = word(0).ok_or("it has no header")?;
-    if segments != sample_bytes {
+    if segments != sample_bytes * components {
         return Err(format!(
-            "it has {segments} segments; samples of {sample_bytes} bytes need {sample_bytes}"
+            "it has {segments} segments; {components} samples of {sample_bytes} bytes need {}",
+            sample_bytes * components
         ));
     }
+    let plane_bytes = frame.len() / components;
     for segment in 0..segments {
         let begin = word(4 + 4 * segment).ok_or("its header is cut off")?;
         let end = match segment + 1 < segments {
@@ -32,9 +40,10 @@ pub(super) fn decode(data: &[u8], sample_bytes: usize, frame: &mut [u8]) -> Resu
         let source = data
             .get(begin.max(64)..end)
             .ok_or_else(|| format!("segment {segment} lies outside of the data"))?;
-        let plane = frame
+        let (component, byte) = (segment / sample_bytes, segment % sample_bytes);
+        let plane = frame[component * plane_bytes..][..plane_bytes]
             .iter_mut()
-            .skip(sample_bytes - 1 - segment)
+            .skip(sample_bytes - 1 - byte)
             .step_by(sample_bytes);
         unpack(source, plane)
             .ok_or_else(|| format!("segment {segment} ends before the frame is full"))?;
@@ -86,7 +95,7 @@ mod tests {
         data.extend([0xFD, 1, 0x01, 10, 20, 0x80, 0xFF, 30]);
         data[8] = 66;
         let mut frame = [0; 8];
-        decode(&data, 2, &mut frame).unwrap();
+        decode(&data, 2, 1, &mut frame).unwrap();
         assert_eq!(frame, [10, 1, 20, 1, 30, 1, 30, 1]);
     }
 
@@ -97,10 +106,22 @@ mod tests {
         data[4] = 64;
         data.extend([0x02, 1, 2, 3, 0xFE, 9]);
         for n in 0..data.len() {
-            assert!(decode(&data[..n], 1, &mut [0; 6]).is_err(), "{n} bytes");
+            assert!(decode(&data[..n], 1, 1, &mut [0; 6]).is_err(), "{n} bytes");
         }
         let mut frame = [0; 6];
-        decode(&data, 1, &mut frame).unwrap();
+        decode(&data, 1, 1, &mut frame).unwrap();
         assert_eq!(frame, [1, 2, 3, 9, 9, 9]);
+    }
+
+    #[test]
+    fn components_lie_plane_by_plane() {
+        let mut data = vec![0; 64];
+        data[0] = 3;
+        (data[4], data[8], data[12]) = (64, 66, 68);
+        data.extend([0xFF, 1, 0xFF, 2, 0xFF, 3]);
+        let mut frame = [0; 6];
+        decode(&data, 1, 3, &mut frame).unwrap();
+        assert_eq!(frame, [1, 1, 2, 2, 3, 3]);
+        assert!(decode(&data, 2, 1, &mut frame).is_err());
     }
 }

@@ -6,8 +6,7 @@
 
 use super::elements::{self, DataSet};
 use super::image::{Image, Lookup};
-use super::pixels::missing;
-use super::tags::{self, Tag, field_name};
+use super::tags::{self, Tag, field_name, missing};
 use crate::error::{Error, ErrorKind};
 use crate::read::{Bytes, LoadedVolume, block};
 use crate::{Grid, Label, Metadata, Rescale, Samples, Volume};

@@ -1,5 +1,6 @@
 //! The data elements that are looked at: numbers and keywords of PS3.6.
 
+use crate::error::{Error, ErrorKind};
 use std::fmt;
 
 /// Group and element.
@@ -18,6 +19,15 @@ pub(super) fn field_name(tag: Tag) -> String {
         Some((_, keyword)) => format!("{keyword} {tag}"),
         None => tag.to_string(),
     }
+}
+
+/// The error of an element that is not there.
+pub(super) fn missing(tag: Tag, allowed: &str) -> Error {
+    ErrorKind::Missing {
+        field: field_name(tag),
+        allowed: allowed.to_owned(),
+    }
+    .into()
 }
 
 macro_rules! tags {
@@ -90,6 +100,7 @@ tags! {
     DIMENSION_INDEX_SEQUENCE = 0x0020, 0x9222, "DimensionIndexSequence";
     NOMINAL_CARDIAC_TRIGGER_DELAY_TIME = 0x0020, 0x9153, "NominalCardiacTriggerDelayTime";
     SAMPLES_PER_PIXEL = 0x0028, 0x0002, "SamplesPerPixel";
+    PLANAR_CONFIGURATION = 0x0028, 0x0006, "PlanarConfiguration";
     PHOTOMETRIC_INTERPRETATION = 0x0028, 0x0004, "PhotometricInterpretation";
     NUMBER_OF_FRAMES = 0x0028, 0x0008, "NumberOfFrames";
     FRAME_INCREMENT_POINTER = 0x0028, 0x0009, "FrameIncrementPointer";
@@ -101,6 +112,15 @@ tags! {
     HIGH_BIT = 0x0028, 0x0102, "HighBit";
     PIXEL_REPRESENTATION = 0x0028, 0x0103, "PixelRepresentation";
     PIXEL_PADDING_VALUE = 0x0028, 0x0120, "PixelPaddingValue";
+    RED_PALETTE_DESCRIPTOR = 0x0028, 0x1101, "RedPaletteColorLookupTableDescriptor";
+    GREEN_PALETTE_DESCRIPTOR = 0x0028, 0x1102, "GreenPaletteColorLookupTableDescriptor";
+    BLUE_PALETTE_DESCRIPTOR = 0x0028, 0x1103, "BluePaletteColorLookupTableDescriptor";
+    RED_PALETTE_DATA = 0x0028, 0x1201, "RedPaletteColorLookupTableData";
+    GREEN_PALETTE_DATA = 0x0028, 0x1202, "GreenPaletteColorLookupTableData";
+    BLUE_PALETTE_DATA = 0x0028, 0x1203, "BluePaletteColorLookupTableData";
+    SEGMENTED_RED_PALETTE_DATA = 0x0028, 0x1221, "SegmentedRedPaletteColorLookupTableData";
+    SEGMENTED_GREEN_PALETTE_DATA = 0x0028, 0x1222, "SegmentedGreenPaletteColorLookupTableData";
+    SEGMENTED_BLUE_PALETTE_DATA = 0x0028, 0x1223, "SegmentedBluePaletteColorLookupTableData";
     WINDOW_CENTER = 0x0028, 0x1050, "WindowCenter";
     WINDOW_WIDTH = 0x0028, 0x1051, "WindowWidth";
     RESCALE_INTERCEPT = 0x0028, 0x1052, "RescaleIntercept";

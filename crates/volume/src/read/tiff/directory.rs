@@ -7,6 +7,7 @@
 //! | 4       | 8       | position of the next directory, 0 after the last                     |
 
 use super::metamorph::{self, MetaMorph};
+use super::palette::Palette;
 use super::source::{Source, integer};
 use crate::error::{Error, ErrorKind};
 use crate::read::Bytes;
@@ -29,6 +30,8 @@ pub(super) struct Directories {
     pub(super) resolution: Option<[f64; 2]>,
     /// Bytes that the pages take in the file.
     pub(super) stored_bytes: u64,
+    /// The palette of all pages, if they have one.
+    pub(super) palette: Option<Palette>,
     /// What MetaMorph says of the planes behind the first page.
     pub(super) metamorph: Option<MetaMorph>,
 }
@@ -111,6 +114,7 @@ mod tag {
     pub(super) const X_RESOLUTION: u16 = 282;
     pub(super) const Y_RESOLUTION: u16 = 283;
     pub(super) const PLANAR_CONFIGURATION: u16 = 284;
+    pub(super) const COLOR_MAP: u16 = 320;
     pub(super) const PREDICTOR: u16 = 317;
     pub(super) const TILE_WIDTH: u16 = 322;
     pub(super) const TILE_LENGTH: u16 = 323;
@@ -135,8 +139,10 @@ impl Directories {
             description: String::new(),
             resolution: None,
             stored_bytes: 0,
+            palette: None,
             metamorph: None,
         };
+        let mut map_place = None;
         let mut seen = HashSet::new();
         let mut next = source.first_directory()?;
         while next != 0 {
@@ -170,6 +176,14 @@ impl Directories {
                 file.resolution = x.zip(y).map(|(x, y)| [x, y]);
                 file.metamorph = directory.metamorph()?;
             }
+            let has_palette = page.photometric == Photometric::Palette;
+            if has_palette && map_place != Some(directory.map_place()) {
+                map_place = Some(directory.map_place());
+                file.add_palette(directory.palette(page.bits)?, number)?;
+            }
+            if !has_palette && file.palette.is_some() {
+                return Err(other_palette(number));
+            }
             for chunk in &page.chunks {
                 file.stored_bytes = file.stored_bytes.saturating_add(chunk.bytes);
             }
@@ -185,6 +199,20 @@ impl Directories {
             file.pages.push(page);
         }
         Ok(file)
+    }
+
+    /// Takes the palette of the first page, and checks that those of others are equal.
+    fn add_palette(&mut self, (palette, bytes): (Palette, u64), page: usize) -> Result<(), Error> {
+        self.stored_bytes = self.stored_bytes.saturating_add(bytes);
+        match &self.palette {
+            Some(first) if *first != palette => Err(other_palette(page)),
+            // Those before have none.
+            None if !self.pages.is_empty() => Err(other_palette(page)),
+            _ => {
+                self.palette = Some(palette);
+                Ok(())
+            }
+        }
     }
 
     pub(super) fn first(&self) -> Result<&Page, Error> {
@@ -508,13 +536,36 @@ impl Directory<'_> {
             Some(0) => Ok((Photometric::WhiteIsZero, numbers)),
             None | Some(1) => Ok((Photometric::BlackIsZero, numbers)),
             Some(2) => Ok((Photometric::Rgb, numbers)),
-            Some(3) => Ok((Photometric::Palette, numbers)),
+            Some(3) if numbers == 1 => Ok((Photometric::Palette, 1)),
+            Some(3) => Err(Error::field(
+                self.field("SamplesPerPixel"),
+                numbers,
+                "1 for indices of a palette",
+            )),
             Some(other) => Err(Error::field(
                 self.field("PhotometricInterpretation"),
                 other,
-                "0 or 1 (grey), or 2 (RGB)",
+                "0 or 1 (gray), 2 (RGB) or 3 (a palette)",
             )),
         }
+    }
+
+    /// Where the palette lies.
+    fn map_place(&self) -> Option<(u64, [u8; 8])> {
+        self.find(tag::COLOR_MAP)
+            .map(|entry| (entry.count, entry.value))
+    }
+
+    /// The palette for indices of `bits`, and the bytes that it takes in the file.
+    fn palette(&self, bits: u32) -> Result<(Palette, u64), Error> {
+        const MOST: u64 = 3 << 16;
+        let field = self.field("ColorMap");
+        let map = self.numbers(tag::COLOR_MAP, MOST)?;
+        let map = map.ok_or_else(|| ErrorKind::Missing {
+            field: field.clone(),
+            allowed: "a page of PhotometricInterpretation 3 has a palette".into(),
+        })?;
+        Ok((Palette::new(&map, bits, &field)?, 2 * map.len() as u64))
     }
 
     /// The tables of MetaMorph. Their counts mean other things than elsewhere.
@@ -674,8 +725,15 @@ impl Directory<'_> {
     }
 }
 
+fn other_palette(page: usize) -> Error {
+    ErrorKind::Slices(format!(
+        "page {page} has another palette than the first; save the pages in RGB"
+    ))
+    .into()
+}
+
 /// A page that is not grey.
-pub(super) fn colour(what: &str) -> Error {
+fn colour(what: &str) -> Error {
     ErrorKind::Unsupported {
         feature: format!("color ({what})"),
         instead: "a volume has one number per voxel: convert to grey first, \

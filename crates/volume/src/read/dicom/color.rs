@@ -1,0 +1,251 @@
+//! Pixels of color (PS3.3, C.7.6.3.1): red, green and blue, luminance with two differences, or indices of a palette.
+
+use super::elements::DataSet;
+use super::tags::{self, Tag, field_name, missing};
+use crate::error::{Error, ErrorKind};
+use crate::read::components::Meaning;
+use crate::{Components, Sample, SampleType};
+
+/// What the stored numbers of a pixel are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Color {
+    /// One number: the value.
+    Gray,
+    /// Red, green and blue.
+    Rgb {
+        /// All reds of a frame come first, then all greens, then all blues.
+        is_planar: bool,
+    },
+    /// Luminance (Y) and differences of blue and red from it, each about the middle of the range.
+    Ybr {
+        /// All numbers of one kind come first.
+        is_planar: bool,
+    },
+    /// The same; two neighbors of a row share their differences: Y, Y, blue, red.
+    Ybr422,
+    /// One number: an index of a palette.
+    Palette {
+        /// The type of an index.
+        index: SampleType,
+        /// Whether the palette has shades of gray only.
+        is_gray: bool,
+    },
+}
+
+impl Color {
+    /// What PhotometricInterpretation says. Indices of a palette count as values if `keeps_indices`.
+    ///
+    /// # Errors
+    /// A space of colors that is not read, or a number of samples that does not fit.
+    pub(super) fn of(set: &DataSet, keeps_indices: bool) -> Result<Color, Error> {
+        let photometric = set.text(tags::PHOTOMETRIC_INTERPRETATION);
+        let photometric = photometric.as_deref();
+        let samples = set.u16(tags::SAMPLES_PER_PIXEL).unwrap_or(1);
+        let is_planar = match set.u16(tags::PLANAR_CONFIGURATION) {
+            None | Some(0) => false,
+            Some(1) => true,
+            Some(other) => {
+                let allowed = "0 (pixel by pixel) or 1 (plane by plane)";
+                return Err(Error::field(
+                    field_name(tags::PLANAR_CONFIGURATION),
+                    other,
+                    allowed,
+                ));
+            }
+        };
+        Ok(match (photometric, samples) {
+            (None | Some("MONOCHROME1" | "MONOCHROME2"), 1) => Color::Gray,
+            (Some("PALETTE COLOR"), 1) if keeps_indices => Color::Gray,
+            (Some("PALETTE COLOR"), 1) => Color::Palette {
+                index: SampleType::U8,
+                is_gray: Palette::of(set)?.is_gray(),
+            },
+            // JPEG 2000 undoes the two transforms itself.
+            (Some("RGB" | "YBR_ICT" | "YBR_RCT"), 3) => Color::Rgb { is_planar },
+            (Some("YBR_FULL"), 3) => Color::Ybr { is_planar },
+            (Some("YBR_FULL_422"), 3) => Color::Ybr422,
+            _ => {
+                return Err(ErrorKind::Unsupported {
+                    feature: format!(
+                        "{} with {samples} samples per pixel",
+                        photometric.unwrap_or("color")
+                    ),
+                    instead: "save the images in gray (MONOCHROME2), RGB, YBR_FULL, YBR_FULL_422 or PALETTE COLOR"
+                        .into(),
+                }
+                .into());
+            }
+        })
+    }
+
+    /// What a pixel is, once it is decoded.
+    pub(super) fn components(self) -> Components {
+        Meaning::Colour.of(match self {
+            Color::Gray | Color::Palette { is_gray: true, .. } => 1,
+            _ => 3,
+        })
+    }
+
+    /// Stored numbers of a pixel that are decoded.
+    pub(super) fn stored_numbers(self) -> usize {
+        match self {
+            Color::Gray | Color::Palette { .. } => 1,
+            Color::Rgb { .. } | Color::Ybr { .. } | Color::Ybr422 => 3,
+        }
+    }
+}
+
+/// Red, green and blue of Y, Cb and Cr (PS3.3, C.7.6.3.1.2), whose range has `bits`.
+pub(super) fn to_rgb<T: Sample>(numbers: &mut [T], bits: u32) {
+    let (half, most) = (2f64.powi(bits as i32 - 1), 2f64.powi(bits as i32) - 1.0);
+    // The weights of red, green and blue in Y are 0.299, 0.587 and 0.114.
+    for pixel in numbers.chunks_exact_mut(3) {
+        let [y, blue, red] = [0, 1, 2].map(|i| pixel[i].to_f64());
+        let (blue, red) = (1.772 * (blue - half), 1.402 * (red - half));
+        let green = y - (0.114 * blue + 0.299 * red) / 0.587;
+        for (into, color) in pixel.iter_mut().zip([y + red, green, y + blue]) {
+            *into = T::from_f64(color.round().clamp(0.0, most));
+        }
+    }
+}
+
+/// Y, Cb and Cr of every pixel, of pairs of pixels with Y, Y, Cb and Cr.
+pub(super) fn of_pairs<T: Sample>(pairs: &[T], numbers: &mut [T]) {
+    for (pair, pixels) in pairs.chunks_exact(4).zip(numbers.chunks_exact_mut(6)) {
+        let [first, second, blue, red] = [0, 1, 2, 3].map(|i| pair[i]);
+        pixels.copy_from_slice(&[first, blue, red, second, blue, red]);
+    }
+}
+
+/// The numbers of every pixel side by side, of planes that lie one behind the other.
+pub(super) fn of_planes<T: Sample>(planes: &[T], numbers: &mut [T]) {
+    let pixels = planes.len() / 3;
+    for (i, pixel) in numbers.chunks_exact_mut(3).enumerate() {
+        pixel.copy_from_slice(&[planes[i], planes[pixels + i], planes[2 * pixels + i]]);
+    }
+}
+
+/// The colors of indices (PS3.3, C.7.9).
+pub(super) struct Palette {
+    /// The index of the first color; smaller ones have the first color too, larger ones the last.
+    first: usize,
+    /// Red, green and blue.
+    colors: Vec<[u16; 3]>,
+    /// The type that holds a color.
+    pub(super) sample_type: SampleType,
+}
+
+impl Palette {
+    /// The palette of an image.
+    ///
+    /// # Errors
+    /// Tables that are not there, segmented ones, or such that do not fit together.
+    pub(super) fn of(set: &DataSet) -> Result<Palette, Error> {
+        let mut tables = Vec::new();
+        for (descriptor, data, segmented) in [
+            (
+                tags::RED_PALETTE_DESCRIPTOR,
+                tags::RED_PALETTE_DATA,
+                tags::SEGMENTED_RED_PALETTE_DATA,
+            ),
+            (
+                tags::GREEN_PALETTE_DESCRIPTOR,
+                tags::GREEN_PALETTE_DATA,
+                tags::SEGMENTED_GREEN_PALETTE_DATA,
+            ),
+            (
+                tags::BLUE_PALETTE_DESCRIPTOR,
+                tags::BLUE_PALETTE_DATA,
+                tags::SEGMENTED_BLUE_PALETTE_DATA,
+            ),
+        ] {
+            if set.bytes(data).is_none() && set.bytes(segmented).is_some() {
+                return Err(ErrorKind::Unsupported {
+                    feature: format!("a palette in segments ({})", field_name(segmented)),
+                    instead: "save the images in RGB".into(),
+                }
+                .into());
+            }
+            tables.push(Table::of(set, descriptor, data)?);
+        }
+        let [red, green, blue] = &tables[..] else {
+            return Err(missing(tags::RED_PALETTE_DATA, "three tables of colors"));
+        };
+        let shape = |table: &Table| (table.first, table.colors.len(), table.is_wide);
+        if shape(red) != shape(green) || shape(red) != shape(blue) {
+            return Err(Error::field(
+                field_name(tags::GREEN_PALETTE_DESCRIPTOR),
+                format!("{:?}", set.u16s(tags::GREEN_PALETTE_DESCRIPTOR)),
+                "that of red and blue",
+            ));
+        }
+        let colors = red.colors.iter().zip(&green.colors).zip(&blue.colors);
+        Ok(Palette {
+            first: red.first,
+            colors: colors.map(|((r, g), b)| [*r, *g, *b]).collect(),
+            sample_type: match red.is_wide {
+                true => SampleType::U16,
+                false => SampleType::U8,
+            },
+        })
+    }
+
+    fn is_gray(&self) -> bool {
+        self.colors.iter().all(|[r, g, b]| r == g && g == b)
+    }
+
+    /// The color of an index.
+    pub(super) fn color(&self, index: usize) -> [u16; 3] {
+        let last = self.colors.len() - 1;
+        self.colors[index.saturating_sub(self.first).min(last)]
+    }
+}
+
+/// The numbers of one color.
+struct Table {
+    first: usize,
+    colors: Vec<u16>,
+    /// Whether they have 16 bits.
+    is_wide: bool,
+}
+
+impl Table {
+    fn of(set: &DataSet, descriptor: Tag, data: Tag) -> Result<Table, Error> {
+        let described = set.u16s(descriptor);
+        let Some([entries, first, _]) = described.as_deref().and_then(|all| all.first_chunk())
+        else {
+            return Err(missing(
+                descriptor,
+                "the number of colors, the first index and the bits",
+            ));
+        };
+        let entries = match *entries {
+            0 => 1 << 16,
+            n => usize::from(n),
+        };
+        let words = set
+            .u16s(data)
+            .ok_or_else(|| missing(data, "a table of the palette"))?;
+        // What the descriptor says of the bits is often wrong; the length of the table is not.
+        let is_wide = words.len() == entries;
+        let colors = match is_wide {
+            true => words,
+            false if words.len() == entries.div_ceil(2) => {
+                let bytes = words.iter().flat_map(|word| [word & 0xFF, word >> 8]);
+                bytes.take(entries).collect()
+            }
+            false => {
+                return Err(Error::field(
+                    field_name(data),
+                    format!("of {} bytes", 2 * words.len()),
+                    format!("of {entries} numbers of 8 or 16 bits"),
+                ));
+            }
+        };
+        Ok(Table {
+            first: usize::from(*first),
+            colors,
+            is_wide,
+        })
+    }
+}
