@@ -408,6 +408,20 @@ pub(crate) fn reserve<T>(into: &mut Vec<T>, additional: usize) -> Result<(), Err
     })
 }
 
+/// Reserves room for `additional` more elements, and for more to come.
+///
+/// # Errors
+/// [`ErrorKind::NoMemory`].
+#[cfg(feature = "dicom")]
+pub(crate) fn grow<T>(into: &mut Vec<T>, additional: usize) -> Result<(), Error> {
+    into.try_reserve(additional).map_err(|_| {
+        ErrorKind::NoMemory {
+            bytes: (additional as u64).saturating_mul(size_of::<T>() as u64),
+        }
+        .into()
+    })
+}
+
 /// As many zeros.
 ///
 /// # Errors

@@ -7,6 +7,7 @@
 
 mod character_set;
 mod color;
+mod contours;
 mod elements;
 mod frames;
 mod image;
@@ -20,6 +21,7 @@ mod rle;
 mod segmentation;
 mod series;
 mod stack;
+mod structure_set;
 mod syntax;
 mod tags;
 
@@ -130,6 +132,9 @@ pub(crate) fn read_file(input: &Input, options: &ReadOptions) -> Result<LoadedVo
     if elements.set.has(tags::DIRECTORY_RECORD_SEQUENCE) {
         return read_directory(input, &elements, options);
     }
+    if structure_set::is_structure_set(&elements.set) {
+        return read_structure_set(input, &elements, options);
+    }
     let image = series::image(input.name, input.bytes, elements);
     let image = image.ok_or_else(|| {
         Error::from(ErrorKind::Missing {
@@ -173,6 +178,43 @@ pub(crate) fn read_file(input: &Input, options: &ReadOptions) -> Result<LoadedVo
         );
     }
     assemble(images, input.files, options, notes)
+}
+
+/// Contours, on the grid of the images on which they were drawn if those are there.
+fn read_structure_set(
+    input: &Input,
+    elements: &elements::Elements,
+    options: &ReadOptions,
+) -> Result<LoadedVolume, Error> {
+    let wanted = structure_set::referenced_series(&elements.set);
+    let is_wanted = |uid: &str| wanted.iter().any(|wanted| wanted == uid);
+    let mut notes = Vec::new();
+    let mut scan = series::scan(input.files, input.files.names())?;
+    if !scan
+        .series
+        .iter()
+        .any(|(summary, _)| is_wanted(&summary.uid))
+    {
+        scan = series::scan(input.files, input.files.names_below()?)?;
+    }
+    let found = scan
+        .series
+        .into_iter()
+        .find(|(summary, _)| is_wanted(&summary.uid));
+    let grid = match found {
+        Some((summary, mut images)) => {
+            drop_copies(&mut images, &mut notes);
+            let arranged = arranged(&images, options, &mut notes)?;
+            notes.push(format!(
+                "the grid is that of the {} slices of the series {} in the folder",
+                arranged.stack.slices.len(),
+                summary.uid
+            ));
+            Some(arranged.grid)
+        }
+        None => None,
+    };
+    structure_set::read(input, elements, grid, options, notes)
 }
 
 /// The series of a folder that `options.series` picks, or the only one.
@@ -255,25 +297,13 @@ fn assemble(
         return Ok(loaded);
     }
     note_mislabelled(&images, &mut notes);
-    let frames = place(&images, options, &mut notes)?;
-    let set = images[frames[0].image].set();
-    let thickness = match set.decimal(tags::SPACING_BETWEEN_SLICES)? {
-        Some(mm) if mm > 0.0 => Some(mm),
-        _ => set.decimal(tags::SLICE_THICKNESS)?,
-    };
-    let name_of = |frame: &Frame| match images[frame.image].frames() {
-        Ok(1) => images[frame.image].name.clone(),
-        _ => format!("{}, frame {}", images[frame.image].name, frame.frame + 1),
-    };
-    let stack = stack::arrange(&frames, &name_of, thickness, options)?;
+    let Arranged {
+        frames,
+        stack,
+        grid,
+    } = arranged(&images, options, &mut notes)?;
     let slices: Vec<&Frame> = stack.slices.iter().map(|slice| &frames[*slice]).collect();
     let layout = slices[0].layout;
-    let count = match stack.resampled.len() {
-        0 => slices.len(),
-        n => n,
-    };
-    let grid = Grid::new([layout.columns, layout.rows, count], stack.world_from_voxel)?;
-
     let components = layout.components();
     let choice = components::choice(components.count, Meaning::Colour, options, &mut notes)?;
 
@@ -304,6 +334,43 @@ fn assemble(
         volume: Volume::new(grid, samples, rescale, metadata)?,
         labels,
         notes,
+    })
+}
+
+/// Frames in order, and their grid.
+struct Arranged {
+    frames: Vec<Frame>,
+    stack: Stack,
+    grid: Grid,
+}
+
+/// Where the images of one series lie.
+fn arranged(
+    images: &[Image],
+    options: &ReadOptions,
+    notes: &mut Vec<String>,
+) -> Result<Arranged, Error> {
+    let frames = place(images, options, notes)?;
+    let set = images[frames[0].image].set();
+    let thickness = match set.decimal(tags::SPACING_BETWEEN_SLICES)? {
+        Some(mm) if mm > 0.0 => Some(mm),
+        _ => set.decimal(tags::SLICE_THICKNESS)?,
+    };
+    let name_of = |frame: &Frame| match images[frame.image].frames() {
+        Ok(1) => images[frame.image].name.clone(),
+        _ => format!("{}, frame {}", images[frame.image].name, frame.frame + 1),
+    };
+    let stack = stack::arrange(&frames, &name_of, thickness, options)?;
+    let layout = frames[stack.slices[0]].layout;
+    let count = match stack.resampled.len() {
+        0 => stack.slices.len(),
+        n => n,
+    };
+    let grid = Grid::new([layout.columns, layout.rows, count], stack.world_from_voxel)?;
+    Ok(Arranged {
+        frames,
+        stack,
+        grid,
     })
 }
 

@@ -2,7 +2,7 @@
 
 use crate::{assert_affine, gzip, message, read, read_with};
 use glam::{DAffine3, DMat3, DVec3};
-use strahl_volume::read::{LoadedVolume, MemoryFiles, ReadOptions, read_folder};
+use strahl_volume::read::{LoadedVolume, MemoryFiles, ReadOptions, read_file, read_folder};
 use strahl_volume::{Error, Samples};
 
 /// Elements in explicit little endian, kept in rising order of their tags.
@@ -1054,6 +1054,211 @@ fn segmentations_become_labels() {
     assert!(message(&[("a.dcm", &set.file())]).contains("slices"));
     set.put(PIXELS, b"OB", &[0xFF; 2]);
     assert!(message(&[("a.dcm", &set.file())]).contains("cut off"));
+}
+
+/// A structure set with these structures: number, name, type, color, and contours by their corners in mm.
+type Drawn<'a> = (&'a str, &'a str, &'a str, &'a str, &'a [(&'a str, &'a str)]);
+
+fn structure_set(series: &str, structures: &[Drawn]) -> Set {
+    let (mut rois, mut drawings, mut observations) = (Vec::new(), Vec::new(), Vec::new());
+    for (number, name, kind, color, contours) in structures {
+        let mut roi = Set::default();
+        roi.text((0x3006, 0x22), b"IS", number)
+            .text((0x3006, 0x26), b"LO", name);
+        let contours: Vec<Set> = contours
+            .iter()
+            .map(|(kind, corners)| {
+                let mut contour = Set::default();
+                contour
+                    .text((0x3006, 0x42), b"CS", kind)
+                    .text((0x3006, 0x50), b"DS", corners);
+                contour
+            })
+            .collect();
+        let mut drawing = Set::default();
+        drawing
+            .text((0x3006, 0x2A), b"IS", color)
+            .sequence((0x3006, 0x40), &contours)
+            .text((0x3006, 0x84), b"IS", number);
+        let mut observation = Set::default();
+        observation
+            .text((0x3006, 0x84), b"IS", number)
+            .text((0x3006, 0xA4), b"CS", kind);
+        rois.push(roi);
+        drawings.push(drawing);
+        observations.push(observation);
+    }
+    let nested = |tag: (u16, u16), inner: &Set| {
+        let mut outer = Set::default();
+        outer.sequence(tag, std::slice::from_ref(inner));
+        outer
+    };
+    let mut of_series = Set::default();
+    of_series.text((0x20, 0x0E), b"UI", series);
+    let study = nested((0x3006, 0x14), &of_series);
+    let frame = nested((0x3006, 0x12), &study);
+    let mut set = nested((0x3006, 0x10), &frame);
+    set.text((8, 5), b"CS", "ISO_IR 192")
+        .text((8, 0x16), b"UI", "1.2.840.10008.5.1.4.1.1.481.3")
+        .text((8, 0x60), b"CS", "RTSTRUCT")
+        .text((0x3006, 2), b"SH", "plan")
+        .sequence((0x3006, 0x20), &rois)
+        .sequence((0x3006, 0x39), &drawings)
+        .sequence((0x3006, 0x80), &observations);
+    set
+}
+
+/// Corners of a rectangle in a plane.
+fn rectangle(x: [f64; 2], y: [f64; 2], z: f64) -> String {
+    let corners = [[x[0], y[0]], [x[1], y[0]], [x[1], y[1]], [x[0], y[1]]];
+    corners.map(|[x, y]| format!("{x}\\{y}\\{z}")).join("\\")
+}
+
+#[test]
+fn contours_fill_the_grid_of_their_images() {
+    // Four slices of 6×5 pixels, 2 mm wide, 1 mm high, 3 mm apart, from (10, 20, 30) in LPS.
+    let slices = (0..4).map(|k: u16| {
+        let mut set = image(6, 5, &[k; 30]);
+        set.text(POSITION, b"DS", &format!("10\\20\\{}", 30 + 3 * k))
+            .text(SPACING, b"DS", "1\\2");
+        set
+    });
+    // A body on all slices; a liver with a hole on the second, and on the third.
+    let body: Vec<String> = (0..4)
+        .map(|k| rectangle([9.0, 21.0], [20.5, 24.5], f64::from(30 + 3 * k)))
+        .collect();
+    let body: Vec<(&str, &str)> = body.iter().map(|c| ("CLOSED_PLANAR", c.as_str())).collect();
+    let [outer, hole, other] = [
+        rectangle([11.0, 19.0], [20.5, 23.5], 33.0),
+        rectangle([13.0, 15.0], [21.5, 22.5], 33.0),
+        rectangle([13.0, 15.0], [21.5, 22.5], 36.0),
+    ];
+    let liver = [
+        ("CLOSED_PLANAR", outer.as_str()),
+        ("CLOSED_PLANAR", hole.as_str()),
+        ("CLOSED_PLANAR", other.as_str()),
+        ("POINT", "13\\21\\33"),
+    ];
+    let structures = [
+        ("7", "Ле́вая", "ORGAN", "255\\0\\51", &liver[..]),
+        ("3", "Body", "EXTERNAL", "0\\255\\0", &body),
+    ];
+    let set = structure_set("1.2.3", &structures);
+    let mut files: MemoryFiles = slices
+        .enumerate()
+        .map(|(i, set)| (format!("{i}.dcm"), set.file()))
+        .collect();
+    files.insert("rs.dcm".into(), set.file());
+    let loaded = read_file("rs.dcm", &files, &ReadOptions::default()).unwrap();
+    assert_eq!(loaded.volume.grid().dims(), [6, 5, 4]);
+    let place = affine(
+        [[-2.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 3.0]],
+        [-10.0, -20.0, 30.0],
+    );
+    assert_affine(loaded.volume.grid().world_from_voxel(), place, 1e-12);
+    #[rustfmt::skip]
+    let (plain, second, third) = (
+        [
+            0, 0, 0, 0, 0, 0,
+            3, 3, 3, 3, 3, 3,
+            3, 3, 3, 3, 3, 3,
+            3, 3, 3, 3, 3, 3,
+            3, 3, 3, 3, 3, 3,
+        ],
+        [
+            0, 0, 0, 0, 0, 0,
+            3, 7, 7, 7, 7, 3,
+            3, 7, 3, 7, 7, 3,
+            3, 7, 7, 7, 7, 3,
+            3, 3, 3, 3, 3, 3,
+        ],
+        [
+            0, 0, 0, 0, 0, 0,
+            3, 3, 3, 3, 3, 3,
+            3, 3, 7, 3, 3, 3,
+            3, 3, 3, 3, 3, 3,
+            3, 3, 3, 3, 3, 3,
+        ],
+    );
+    let expected = [plain, second, third, plain].concat();
+    assert_eq!(*loaded.volume.samples(), Samples::U8(expected));
+    let labels = loaded.labels.unwrap();
+    assert_eq!((labels[0].id, labels[0].name.as_str()), (7, "Ле́вая"));
+    assert_eq!(labels[0].color, Some([1.0, 0.0, 0.2]));
+    assert_eq!(labels[1].group.as_deref(), Some("EXTERNAL"));
+    let said = loaded.notes.join("\n");
+    for part in [
+        "4 slices of the series 1.2.3",
+        "12 times, a voxel is in two",
+        "1 contours that",
+    ] {
+        assert!(said.contains(part), "{said}");
+    }
+
+    // Without images: the user gives a grid.
+    let alone = [("rs.dcm", &set.file()[..])];
+    let refused = message(&alone);
+    assert!(
+        refused.contains("put the series 1.2.3 beside it"),
+        "{refused}"
+    );
+    let options = ReadOptions {
+        spacing_mm: Some([1.0, 1.0, 3.0]),
+        ..ReadOptions::default()
+    };
+    let loaded = read_with(&alone, &options).unwrap();
+    assert_eq!(loaded.volume.grid().dims(), [13, 5, 4]);
+    let volume = |id: f64| {
+        let samples = loaded.volume.samples();
+        (0..samples.len()).filter(|i| samples.get(*i) == id).count()
+    };
+    // 8×3 mm less a hole of 2×1, and 2×1: of voxels of 1×1 mm.
+    assert_eq!(volume(7.0), 8 * 3 - 2 + 2);
+    let options = ReadOptions {
+        spacing_mm: Some([1e-4; 3]),
+        ..ReadOptions::default()
+    };
+    let error = read_with(&alone, &options).unwrap_err().to_string();
+    assert!(error.contains("a larger one"), "{error}");
+}
+
+#[test]
+fn contours_that_are_in_no_slice_are_refused() {
+    let spacing = ReadOptions {
+        spacing_mm: Some([1.0; 3]),
+        ..ReadOptions::default()
+    };
+    for (kind, corners, part) in [
+        (
+            "CLOSED_PLANAR",
+            "0\\0\\0\\9\\0\\0\\9\\9\\4",
+            "lies across 4.0 slices",
+        ),
+        (
+            "CLOSED_PLANAR",
+            "0\\0\\0\\9\\0",
+            "of 5 numbers; allowed: three for each",
+        ),
+        ("POINT", "0\\0\\0", "ContourData (3006,0050) is missing"),
+        ("CLOSED_PLANAR", "0\\0\\x", "finite decimal numbers"),
+    ] {
+        let set = structure_set("1.2.3", &[("1", "a", "", "", &[(kind, corners)])]);
+        let error = read_with(&[("a.dcm", &set.file())], &spacing).unwrap_err();
+        assert!(error.to_string().contains(part), "{error}");
+    }
+    // Numbers that are no ids are replaced.
+    let square = rectangle([0.0, 2.0], [0.0, 2.0], 0.0);
+    let contours = [("CLOSED_PLANAR", square.as_str())];
+    let structures = [("0", "a", "", "", &contours[..]), ("-4", "b", "", "", &[])];
+    let set = structure_set("1.2.3", &structures);
+    let loaded = read_with(&[("a.dcm", &set.file())], &spacing).unwrap();
+    let ids: Vec<u32> = loaded
+        .labels
+        .unwrap()
+        .iter()
+        .map(|label| label.id)
+        .collect();
+    assert_eq!(ids, [1, 2]);
 }
 
 /// A box of a JP2 file.

@@ -62,6 +62,13 @@ const SEQUENCES: &[Tag] = &[
     tags::CARDIAC_SYNCHRONIZATION_SEQUENCE,
     tags::DETECTOR_INFORMATION_SEQUENCE,
     tags::MODALITY_LUT_SEQUENCE,
+    tags::REFERENCED_FRAME_OF_REFERENCE_SEQUENCE,
+    tags::RT_REFERENCED_STUDY_SEQUENCE,
+    tags::RT_REFERENCED_SERIES_SEQUENCE,
+    tags::STRUCTURE_SET_ROI_SEQUENCE,
+    tags::ROI_CONTOUR_SEQUENCE,
+    tags::CONTOUR_SEQUENCE,
+    tags::RT_ROI_OBSERVATIONS_SEQUENCE,
 ];
 
 /// The other elements that are kept. Nothing that names a person is among them.
@@ -162,6 +169,15 @@ const VALUES: &[Tag] = &[
     tags::ANGULAR_VIEW_VECTOR,
     tags::TIME_SLICE_VECTOR,
     tags::FRAME_REFERENCE_TIME,
+    tags::STRUCTURE_SET_LABEL,
+    tags::ROI_NUMBER,
+    tags::ROI_NAME,
+    tags::ROI_DISPLAY_COLOR,
+    tags::CONTOUR_GEOMETRIC_TYPE,
+    tags::CONTOUR_SLAB_THICKNESS,
+    tags::CONTOUR_DATA,
+    tags::REFERENCED_ROI_NUMBER,
+    tags::RT_ROI_INTERPRETED_TYPE,
 ];
 
 /// Whether a file begins like DICOM: `DICM` after the preamble, or an element of group 0002 or 0008
@@ -714,6 +730,14 @@ fn truncated(what: &str, expected: u64, found: u64) -> Error {
     .into()
 }
 
+/// A list may be long; then the number alone is shown.
+fn not_decimal(tag: Tag, text: &str, number: &str) -> Error {
+    const LONGEST: usize = 80;
+    let shown = if text.len() > LONGEST { number } else { text };
+    let shown: String = shown.chars().take(LONGEST).collect();
+    Error::field(field_name(tag), shown, "finite decimal numbers")
+}
+
 /// Text of the default repertoire, without padding.
 pub(super) fn plain_text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes)
@@ -731,8 +755,15 @@ impl DataSet {
 
     /// Free text, in the character set that the data set names.
     pub(super) fn description(&self, tag: Tag) -> Option<String> {
+        self.description_within(tag, self)
+    }
+
+    /// The same of an item in `outer`, whose character set holds for it too.
+    pub(super) fn description_within(&self, tag: Tag, outer: &DataSet) -> Option<String> {
         let bytes = self.bytes(tag)?;
-        let sets = self.text(tags::SPECIFIC_CHARACTER_SET).unwrap_or_default();
+        let own = self.text(tags::SPECIFIC_CHARACTER_SET);
+        let sets = own.or_else(|| outer.text(tags::SPECIFIC_CHARACTER_SET));
+        let sets = sets.unwrap_or_default();
         let text = character_set::decoded(&sets, bytes);
         // No control characters into terminals and tables.
         let text: String = text
@@ -756,7 +787,7 @@ impl DataSet {
                     .parse::<f64>()
                     .ok()
                     .filter(|number| number.is_finite())
-                    .ok_or_else(|| Error::field(field_name(tag), &text, "finite decimal numbers"))
+                    .ok_or_else(|| not_decimal(tag, &text, number))
             })
             .collect::<Result<Vec<f64>, Error>>()
             .map(Some)

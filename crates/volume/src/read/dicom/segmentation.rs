@@ -34,9 +34,11 @@ fn labels(set: &DataSet) -> Vec<Label> {
             .first();
         Some(Label {
             id: segment.u16(tags::SEGMENT_NUMBER)?.into(),
-            name: segment.description(tags::SEGMENT_LABEL).unwrap_or_default(),
+            name: segment
+                .description_within(tags::SEGMENT_LABEL, set)
+                .unwrap_or_default(),
             color: lab.and_then(|lab| Some(srgb_of_lab(*lab.first_chunk()?))),
-            group: category.and_then(|code| code.description(tags::CODE_MEANING)),
+            group: category.and_then(|code| code.description_within(tags::CODE_MEANING, set)),
         })
     };
     let segments = set.items(tags::SEGMENT_SEQUENCE);
