@@ -139,6 +139,192 @@ fn info_knows_whole_numbers() {
 /// A label volume of 4 voxels of 0.5 × 2 × 3 mm: ids 0, 7, 7, 300.
 fn folder_with_labels() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
+    let header = "NRRD0004\ntype: ushort\ndimension: 3\nsizes: 4 1 1\nencoding: ascii\nspace: RAS\n\
+        space directions: (0.5,0,0) (0,2,0) (0,0,3)\n";
+    let keys = "Segment0_Name:=liver\nSegment0_LabelValue:=7\nSegment0_Color:=1 0.5 0\n\
+        Segment1_Name:=spleen\nSegment1_LabelValue:=9\n";
+    for (name, keys) in [("organs.seg.nrrd", keys), ("plain.nrrd", "")] {
+        let text = format!("{header}{keys}\n0 7 7 300\n");
+        fs::write(folder.path().join(name), text).unwrap();
+    }
+    let table = "id,name,color\n300,heart,#0000ff\n";
+    fs::write(folder.path().join("heart.csv"), table).unwrap();
+    folder
+}
+
+#[test]
+fn info_lists_labels_with_their_sizes() {
+    let folder = folder_with_labels();
+    let info = |args: &[&str]| run_well(folder.path(), &[&["info"], args].concat());
+    let text = info(&["organs.seg.nrrd"]);
+    // 3 mm³ a voxel.
+    let expected = "
+    label        voxels          ml  color    name
+        0             1       0.003
+        7             2       0.006  #ff8000  liver
+        9             0           0           spleen
+      300             1       0.003
+";
+    assert!(text.ends_with(expected), "{text}");
+    assert!(
+        text.contains("values       3 ids from 0 to 300\n"),
+        "{text}"
+    );
+    assert!(
+        !text.contains("quantiles") && !text.contains("histogram"),
+        "{text}"
+    );
+    let json = json(&info(&["organs.seg.nrrd", "--json"]));
+    assert_eq!(json["quantiles"], Value::Null);
+    assert_eq!(json["labels"].as_array().unwrap().len(), 4);
+    let liver = &json["labels"][1];
+    assert_eq!((&liver["id"], &liver["name"]), (&7.into(), &"liver".into()));
+    assert_eq!(
+        (&liver["color"], &liver["voxels"]),
+        (&"#ff8000".into(), &2.into())
+    );
+    assert!((liver["ml"].as_f64().unwrap() - 0.006).abs() < 1e-12);
+
+    // The file itself does not say that its numbers are ids.
+    assert!(info(&["plain.nrrd"]).contains("quantiles"));
+    assert!(info(&["plain.nrrd", "--as-labels"]).contains("3 ids from 0 to 300"));
+    let text = info(&["plain.nrrd", "--label-table", "heart.csv"]);
+    assert!(text.contains("0.003  #0000ff  heart\n"), "{text}");
+    fs::rename(
+        folder.path().join("heart.csv"),
+        folder.path().join("plain.csv"),
+    )
+    .unwrap();
+    let text = info(&["plain.nrrd", "--as-labels"]);
+    assert!(text.contains("#0000ff  heart\n"), "{text}");
+    assert!(
+        text.contains("note: names and colors of labels are those of plain.csv"),
+        "{text}"
+    );
+    let run = run(
+        folder.path(),
+        &["info", "plain.nrrd", "--label-table", "plain.nrrd"],
+    );
+    assert_eq!(run.code, Some(1));
+    assert!(
+        run.err
+            .contains("plain.nrrd: the label table is of no known format"),
+        "{}",
+        run.err
+    );
+}
+
+#[test]
+fn info_of_real_labels_counts_what_numpy_counts() {
+    let Some(path) = shared_data("abdomen-labels.nii.gz") else {
+        return;
+    };
+    let out = run_well(Path::new("."), &["info", path.to_str().unwrap(), "--json"]);
+    let json = json(&out);
+    let liver = &json["labels"][5];
+    assert_eq!(
+        (&liver["name"], &liver["color"]),
+        (&"liver".into(), &"#00ffff".into())
+    );
+    assert_eq!(liver["voxels"], 38_634);
+    // 27 mm³ a voxel.
+    assert!((liver["ml"].as_f64().unwrap() - 1043.118).abs() < 1e-6);
+    assert_eq!(json["labels"][0]["voxels"], 259_435);
+}
+
+#[test]
+fn notes_go_to_stderr_and_can_be_turned_off() {
+    let folder = folder_with_shells();
+    let args = ["render", "shells.nrrd", "-o", "out.png", "--size", "20x10"];
+    let loud = run(folder.path(), &args);
+    assert_eq!(loud.out, "");
+    assert!(
+        loud.err.starts_with("wrote out.png: 20 × 10 pixels"),
+        "{}",
+        loud.err
+    );
+    let quiet = run(folder.path(), &[&args[..], &["--quiet"]].concat());
+    assert_eq!((quiet.out.as_str(), quiet.err.as_str()), ("", ""));
+}
+
+#[test]
+fn stats_add_up() {
+    let folder = folder_with_shells();
+    let out = run_well(
+        folder.path(),
+        &[
+            "render",
+            "shells.nrrd",
+            "-o",
+            "out.png",
+            "--size",
+            "40x30",
+            "--stats",
+            "json",
+            "--threads",
+            "2",
+            "-q",
+        ],
+    );
+    let stats = json(&out);
+    let count = |key: &str| stats[key].as_u64().unwrap_or_else(|| panic!("{key}"));
+    assert_eq!((count("width"), count("height")), (40, 30));
+    assert_eq!(count("rays"), 1200);
+    assert_eq!(count("threads"), 2);
+    assert_eq!(stats["picture"], "out.png");
+    assert_eq!(stats["method"], "emission-absorption");
+    assert!(count("rays_in_volume") > 100 && count("rays_in_volume") <= 1200);
+    assert!(count("samples_visible") > 0);
+    assert!(count("samples_visible") <= count("samples"));
+    assert!(count("samples") + count("points_skipped") <= count("lattice_points"));
+    let seconds = stats["seconds"].as_object().unwrap();
+    let total = seconds["total"].as_f64().unwrap();
+    let parts = ["read", "bricks", "prepare", "draw", "write"];
+    let sum: f64 = parts
+        .iter()
+        .map(|part| seconds[*part].as_f64().unwrap())
+        .sum();
+    assert!(sum > 0.0 && sum <= total, "{sum} of {total} s");
+}
+
+#[test]
+fn demo_needs_no_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let args = ["demo", "--dims", "48,60,76", "--size", "64x64"];
+    let run = run(folder.path(), &args);
+    assert_eq!(run.code, Some(0), "{}", run.err);
+    assert!(run.err.contains("wrote strahl-demo.png"), "{}", run.err);
+    assert_eq!(names(folder.path()), ["strahl-demo.png"]);
+}
+
+#[test]
+fn volumes_keep_their_values_in_every_format() {
+    let folder = folder_with_shells();
+    let original = shells();
+    for name in ["a.nii", "a.nii.gz", "a.nrrd", "a.mha", "a.mhd", "a.npy"] {
+        run_well(folder.path(), &["convert", "shells.nrrd", name, "-q"]);
+        let read = strahl::load(folder.path().join(name), &Default::default()).unwrap();
+        assert_eq!(read.volume.grid().dims(), [16, 12, 8], "{name}");
+        for (x, y, z) in [(0, 0, 0), (8, 6, 4), (11, 3, 7)] {
+            let error = read.volume.value(x, y, z) - original.value(x, y, z);
+            assert!(error.abs() < 1e-6, "{name}: {error}");
+        }
+    }
+    assert!(names(folder.path()).contains(&"a.zraw".to_owned()));
+    run_well(
+        folder.path(),
+        &["convert", "shells.nrrd", "b.mhd", "--uncompressed"],
+    );
+    assert_eq!(
+        fs::metadata(folder.path().join("b.raw")).unwrap().len(),
+        16 * 12 * 8 * 4
+    );
+}
+
+#[test]
+fn all_components_are_converted() {
+    let folder = tempfile::tempdir().unwrap();
+    // Two voxels of red, green and blue.
     let header = "NRRD0004\ntype: uint8\ndimension: 4\nspace: right-anterior-superior\n\
         sizes: 3 2 1 1\nkinds: RGB-color domain domain domain\n\
         space directions: none (1,0,0) (0,1,0) (0,0,1)\nspace origin: (0,0,0)\nencoding: raw\n\n";
