@@ -12,6 +12,7 @@ use strahl_conformance::agreement::agreement;
 use strahl_conformance::device;
 use strahl_evaluate::Evaluator;
 use strahl_graph::standard;
+use strahl_scene::Rendered;
 use strahl_scene::plan::*;
 use strahl_scene::transfer::TransferTable;
 use strahl_shader::Linker;
@@ -319,25 +320,131 @@ fn what_techniques_do_not_show_is_skipped_without_changing_a_byte() {
     };
     plan.techniques.push(second);
     let sides = labels(grid, |place| 1 + u32::from(place.x + 0.3 * place.y > 2.0));
-    for looks in [[(1, Some(0)), (2, Some(0))], [(1, Some(0)), (2, Some(1))]] {
-        segmented(&mut plan, &sides, &looks);
-        let renderer = strahl_cpu::Renderer::new(data(&volume, &sides));
-        let drawn = [true, false].map(|skip| {
-            let options = strahl_cpu::Options {
-                skip,
-                ..strahl_cpu::Options::default()
-            };
-            renderer.render(&plan, &options, &Control::NONE).unwrap()
-        });
+    for (second, opacity, clips) in [
+        (0, 1.0, 0),
+        (1, 1.0, 0),
+        (1, 0.6, 0),
+        // Clips are left to the loop of any rules.
+        (1, 0.6, 1),
+    ] {
+        segmented(&mut plan, &sides, &[(1, Some(0)), (2, Some(second))]);
+        look_of(&mut plan, 1).opacity = opacity;
+        plan.sample_clips = vec![everything(); clips];
+        let [skipped, whole] = skipped_and_whole(&volume, &sides, &plan);
         assert!(
-            drawn[0].image.pixels() == drawn[1].image.pixels(),
-            "{looks:?}"
+            skipped.image.pixels() == whole.image.pixels(),
+            "{second} {opacity} {clips}"
         );
-        let counts = drawn.map(|drawn| drawn.stats.counts.unwrap());
-        let share = counts[0].points_skipped as f64 / counts[0].lattice_points as f64;
+        let counts = skipped.stats.counts.unwrap();
+        let share = counts.points_skipped as f64 / counts.lattice_points as f64;
         assert!(share > 0.1, "{share}");
-        assert!(counts[0].samples_visible > 1000);
+        assert!(counts.samples_visible > 1000);
     }
+}
+
+/// The picture without what shows nothing, and with all lattice points.
+fn skipped_and_whole(volume: &Volume, labels: &LabelVolume, plan: &Plan) -> [Rendered; 2] {
+    let renderer = strahl_cpu::Renderer::new(data(volume, labels));
+    [true, false].map(|skip| {
+        let options = strahl_cpu::Options {
+            skip,
+            ..strahl_cpu::Options::default()
+        };
+        renderer.render(plan, &options, &Control::NONE).unwrap()
+    })
+}
+
+fn look_of(plan: &mut Plan, id: u32) -> &mut SegmentLook {
+    let Segments::Labelled(labelled) = &mut plan.layers[0].segments else {
+        panic!("a Plan with segments")
+    };
+    let others = labelled.others;
+    labelled.looks.entry(id).or_insert(others)
+}
+
+/// A clip that takes nothing away.
+fn everything() -> SampleClip {
+    cut_box(DAffine3::from_scale(DVec3::splat(1e-5)), true)
+}
+
+/// Two opaque slabs in one segment, of which 0.3 counts, far apart: the run ends in the first slab, and it does not begin
+/// again in the second one.
+#[test]
+fn a_run_that_is_opaque_does_not_begin_again_in_its_segment() {
+    let grid = centred([40; 3], DMat3::IDENTITY);
+    let is_slab = |z: usize| (6..12).contains(&z) || (28..34).contains(&z);
+    let samples = (0..40 * 1600).map(|i| if is_slab(i / 1600) { 200 } else { 0 });
+    let volume = of_samples(grid, Samples::U8(samples.collect()));
+    let one = labels(grid, |_| 1);
+    let mut plan = plan(&volume, parallel(DVec3::new(0.1, 0.05, 1.0), 60.0, 8.0), ramp());
+    plan.global_rule = GlobalRule::EmissionAbsorption {
+        stop_at_transmittance: 1.0 / 256.0,
+    };
+    plan.technique_mut().composite = Composite::EmissionAbsorption {
+        stop_at_transmittance: 1.0 / 256.0,
+    };
+    let entries = [vec![[0.0; 4]; 20], vec![[0.9; 4]]].concat();
+    plan.technique_mut().table = TransferTable::new([0.0, 200.0], 1.0, entries);
+    for clips in [0, 1] {
+        plan.sample_clips = vec![everything(); clips];
+        segmented(&mut plan, &one, &[]);
+        look_of(&mut plan, 1).opacity = 0.3;
+        let [skipped, whole] = skipped_and_whole(&volume, &one, &plan);
+        let points_skipped = skipped.stats.counts.unwrap().points_skipped;
+        assert!(points_skipped > 200, "{clips}: {:?}", skipped.stats.counts);
+        assert!(skipped.image.pixels() == whole.image.pixels());
+        let middle =
+            whole.image.pixels()[(plan.width * (plan.height / 2) + plan.width / 2) as usize];
+        assert!((0.298..0.3001).contains(&middle[3]), "{middle:?}");
+    }
+}
+
+/// Four random entries over a range of values.
+fn table_over([lo, hi]: [f64; 2], random: &mut Random) -> TransferTable {
+    let entry = |random: &mut Random| [(); 4].map(|()| random.unit() as f32);
+    let entries = (0..4).map(|_| entry(random)).collect();
+    let [lo, hi] = [lo as f32, hi.max(lo + 1.0) as f32];
+    TransferTable::new([lo, hi], 1.0, entries)
+}
+
+/// The loop for samples and runs that all add up by emission and absorption, and that of any rules.
+#[test]
+fn both_loops_through_segments_draw_one_picture() {
+    let (mut seen, mut of_runs) = (0, 0);
+    for seed in seeds(40) {
+        let mut random = Random::new(seed ^ 0x2B0B);
+        let volume = ball();
+        let mut plan = view(&volume);
+        plan.techniques = (0..1 + random.below(3))
+            .map(|i| Technique {
+                table: table_over(volume.statistics().range, &mut random),
+                shade: [blinn_phong(0.2, 0.7, 0.2, 9.0), Shade::Unlit][(i + random.below(2)) % 2],
+                ..plan.technique().clone()
+            })
+            .collect();
+        let cell = 1.0 + 4.0 * random.unit();
+        let cells = labels(*volume.grid(), |place| {
+            let cell = (place / cell).floor().as_ivec3();
+            (cell.x & 3) as u32 + 4 * (cell.y & 1) as u32 + 8 * (cell.z & 3) as u32
+        });
+        segmented(&mut plan, &cells, &[(3, None)]);
+        let is_of_runs = random.below(2) == 0;
+        for id in 4..20 {
+            *look_of(&mut plan, id) = SegmentLook {
+                tint: [random.unit() as f32, 0.5, 1.0],
+                opacity: if is_of_runs { 0.7 } else { 1.0 },
+                ..SegmentLook::of(random.below(plan.techniques.len()))
+            };
+        }
+        let fast = draw(data(&volume, &cells), &plan);
+        plan.sample_clips = vec![everything()];
+        let general = draw(data(&volume, &cells), &plan);
+        let off = distance(&fast, &general);
+        assert!(off < 1e-5, "seed {seed}: {off}");
+        seen += usize::from(fast.stats.counts.unwrap().samples_visible > 1000);
+        of_runs += usize::from(is_of_runs);
+    }
+    assert!(seen > 20 && (5..35).contains(&of_runs), "{seen} {of_runs}");
 }
 
 #[test]

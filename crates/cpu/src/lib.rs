@@ -36,6 +36,7 @@ mod important_places;
 #[cfg(feature = "bench-kernels")]
 #[doc(hidden)]
 pub mod kernels;
+mod label_bricks;
 mod lanes;
 mod levels;
 mod library;
@@ -58,6 +59,7 @@ mod refine;
 mod rejection;
 mod renderer;
 mod scenery;
+mod segment_looks;
 mod segment_numbers;
 mod segments_of_bricks;
 mod skip;

@@ -7,6 +7,7 @@
 mod adaptive;
 mod counts;
 mod packet;
+mod points;
 mod projection;
 mod ray_history;
 mod ray_memory;
@@ -14,8 +15,10 @@ mod runs;
 mod segments;
 mod through_labels;
 mod through_one;
+mod through_segments;
 mod through_several;
 mod through_voxels;
+mod unlit_samples;
 
 pub use counts::Counts;
 pub use packet::Seen;
@@ -109,7 +112,10 @@ impl<S: Level> Packet<'_, S> {
     #[inline(always)]
     fn advance(&mut self) {
         if let Some(segments) = &self.scenery.segments {
-            return self.through_labels(segments);
+            return match &self.scenery.looks {
+                Some(looks) => self.through_segments(segments, looks),
+                None => self.through_labels(segments),
+            };
         }
         match self.scenery.objects.as_slice() {
             [object] => match self.scenery.composite {

@@ -5,6 +5,7 @@ use crate::clipped::ClippedBricks;
 use crate::error::Error;
 use crate::even::EvenCubes;
 use crate::important_places::ImportantPlaces;
+use crate::label_bricks::{LabelBricks, LabelBricksKey};
 use crate::levels::Level;
 use crate::library::classify::Integrals;
 use crate::library::composite::{Rule, with_rule};
@@ -16,6 +17,7 @@ use crate::meshes::Meshes;
 use crate::outline::Outline;
 use crate::rejection::{CubicBounds, Rejection};
 use crate::scenery::{Known, Object, Scenery, Stored};
+use crate::segment_looks::SegmentLooks;
 use crate::segment_numbers::SegmentNumbers;
 use crate::skip::Skip;
 use crate::strides::Strides;
@@ -37,7 +39,7 @@ pub struct Prepared {
     known: Vec<Known<'static>>,
     masks: Vec<Volume>,
     /// Of the label volume whose segments are drawn.
-    label_numbers: Option<Arc<LabelNumbers>>,
+    labels: Option<(Arc<LabelNumbers>, Arc<LabelBricks>)>,
     /// Where its segments show nothing.
     unseen: Option<Arc<UnseenSegments>>,
     jitters: Jitters,
@@ -78,11 +80,11 @@ impl Prepared {
             });
             sources.push(reading.source);
         }
-        let label_numbers = label_numbers(making, data, plan)?;
+        let labels = label_numbers(making, data, plan)?;
         let mut unseen = None;
         if let (Some(labelled), Some(numbers), Some((source, bricks))) = (
             plan.labelled(),
-            label_numbers.as_deref(),
+            labels.as_ref().map(|(numbers, _)| &**numbers),
             bricks_of_labelled.filter(|_| skips),
         ) {
             let labels = (data.labels[labelled.labels].content_id(), numbers);
@@ -93,7 +95,7 @@ impl Prepared {
             sources,
             known,
             masks: data.masks.clone(),
-            label_numbers,
+            labels,
             unseen,
             jitters: Jitters::find(plan.lattice.jitter, making.store, making.control)?,
             meshes: Meshes::new(making, &data.meshes)?,
@@ -117,15 +119,18 @@ impl Prepared {
         let values: Vec<_> = of_layers
             .map(|(source, field)| values_of(source, field))
             .collect();
-        let object = |(index, known): (usize, Known<'static>)| {
-            let technique = plan.technique_of(index);
+        let stored = |index: usize| {
             let field = plan.field_of(index);
             let is_plain =
                 field.fetch == Fetch::Stored && field.reconstruct == Reconstruct::Trilinear;
             let samples = self.sources[index].volume.samples();
-            let stored = is_plain
+            is_plain
                 .then(|| Stored::new(&field.grid, samples))
-                .flatten();
+                .flatten()
+        };
+        let object = |(index, known): (usize, Known<'static>)| {
+            let technique = plan.technique_of(index);
+            let stored = stored(index);
             Object::new(
                 plan,
                 index,
@@ -136,24 +141,29 @@ impl Prepared {
                 known,
             )
         };
-        let numbers = self.label_numbers.as_deref();
-        let segments =
-            numbers.and_then(|numbers| SegmentNumbers::new(plan, numbers, self.unseen.clone()));
+        let segments = self.labels.as_ref().and_then(|(numbers, bricks)| {
+            SegmentNumbers::new(plan, numbers, bricks, self.unseen.clone())
+        });
         let segments = segments.map(Arc::new);
         let of_segments = |technique| {
             let known = Known {
                 segments: segments.clone(),
                 ..Known::default()
             };
-            Object::new(plan, 0, technique, &*values[0], None, &masks, known)
+            let stored = stored(0);
+            Object::new(plan, 0, technique, &*values[0], stored, &masks, known)
         };
+        let objects: Vec<Object<S>> = match &segments {
+            Some(_) => plan.drawn_techniques().map(of_segments).collect(),
+            None => self.known.into_iter().enumerate().map(object).collect(),
+        };
+        let looks = segments.as_deref();
+        let looks = looks.and_then(|segments| SegmentLooks::new(segments, &objects));
         draw(&Scenery {
             plan,
-            objects: match &segments {
-                Some(_) => plan.drawn_techniques().map(of_segments).collect(),
-                None => self.known.into_iter().enumerate().map(object).collect(),
-            },
+            objects,
             segments,
+            looks,
             important_places: ImportantPlaces::new(plan, &masks),
             jitters: self.jitters,
             meshes: &self.meshes,
@@ -163,19 +173,22 @@ impl Prepared {
     }
 }
 
-/// The numbers of the segments of `plan`, if it has those of a label volume.
+/// The numbers of the segments of `plan`, if it has those of a label volume, by voxel and in bricks.
 fn label_numbers(
     making: &Making,
     data: &Datasets,
     plan: &Plan,
-) -> Result<Option<Arc<LabelNumbers>>, Error> {
+) -> Result<Option<(Arc<LabelNumbers>, Arc<LabelBricks>)>, Error> {
     let Some(labelled) = plan.labelled() else {
         return Ok(None);
     };
     let labels = &data.labels[labelled.labels];
     let key = LabelNumbersKey(labels.content_id());
     let numbers = making.find(&key, || labels.numbers_under(making.control))?;
-    Ok(Some(numbers))
+    let dims = labels.grid().dims();
+    let key = LabelBricksKey(labels.content_id());
+    let bricks = making.find(&key, || LabelBricks::under(&numbers, dims, making.control))?;
+    Ok(Some((numbers, bricks)))
 }
 
 /// The values of a field: slots fetch and reconstruct.

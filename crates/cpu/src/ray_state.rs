@@ -58,7 +58,7 @@ pub struct RayState {
     pub known: u32,
     /// The segment of the last lattice point by its number in the label volume, counted from 1; 0 if there was none.
     pub segment: u32,
-    /// Its technique, counted from 1; 0 where it is hidden or no more of its run is to be seen.
+    /// Its technique, counted from 1; 0 where it is hidden, 65535 where no more of its run is to be seen.
     pub technique: u32,
     /// What the runs of segments that have ended add up to, premultiplied …
     pub seen_color: [f32; 3],

@@ -1,45 +1,58 @@
 //! Which segment of a label volume rays are in.
 
-use crate::lanes::{Affine, F32s, LANES, Mask, Vec3s, each};
-use crate::levels::{Level, vectorized};
+use crate::label_bricks::{Corners, LabelBricks};
+use crate::lanes::{Affine, F32s, I32s, LANES, Mask, Vec3s, each, lanes};
+use crate::levels::{Level, Portable, vectorized};
+use crate::library::fetch::Shape;
 use crate::unseen_segments::UnseenSegments;
 use std::sync::Arc;
 use strahl_scene::plan::{GlobalRule, GradientMethod, NumberedSegments, Plan, SegmentGroup};
-use strahl_volume::{BorderCells, LabelIds, LabelNumbers};
+use strahl_volume::{LabelIds, LabelNumbers};
 
 /// In voxels: what rounding may move a place beyond the extent.
 const ROUNDING: f32 = 0.01;
 
-/// Where a place lies among the voxels around it.
+/// Cells of the label volume that places lie in.
 #[derive(Clone, Copy)]
-struct Cell {
-    first: [usize; 3],
+struct Cells<S: Level> {
+    cell: [I32s<S>; 3],
     /// From the first voxel to the next along each axis, 0 to 1.
-    share: [f32; 3],
+    share: Vec3s<S>,
+    /// Which places lie within its extent.
+    is_inside: Mask<S>,
 }
 
-impl Cell {
-    /// Of its corners as trilinear interpolation weighs them, x fastest.
+impl<S: Level> Cells<S> {
+    /// Of the corners as trilinear interpolation weighs them, x fastest.
     #[inline(always)]
-    fn weights(&self) -> [f32; 8] {
-        let [x, y, z] = self.share.map(|share| [1.0 - share, share]);
-        let mut weights = [0.0; 8];
-        for (corner, weight) in weights.iter_mut().enumerate() {
-            *weight = x[corner & 1] * y[corner >> 1 & 1] * z[corner >> 2];
-        }
-        weights
+    fn weights(&self) -> [F32s<S>; 8] {
+        let one = F32s::splat(1.0);
+        let [x, y, z] = each!(self.share, |share| [one - share, share]);
+        let [a, b, c, d] = [x[0] * y[0], x[1] * y[0], x[0] * y[1], x[1] * y[1]];
+        [
+            a * z[0],
+            b * z[0],
+            c * z[0],
+            d * z[0],
+            a * z[1],
+            b * z[1],
+            c * z[1],
+            d * z[1],
+        ]
     }
 }
 
 /// The segments of the layer, by the numbers that voxels have in place of ids.
 pub struct SegmentNumbers<'n> {
     numbers: &'n LabelIds,
-    borders: &'n BorderCells,
+    bricks: &'n LabelBricks,
+    shape: Shape,
     dims: [usize; 3],
     label_from_voxel: Affine,
     /// Whether the labels lie on the voxels of the field.
     is_grid_of_field: bool,
     segments: NumberedSegments,
+    number_of_ids: usize,
     /// Where they show nothing, if that is known.
     pub unseen: Option<Arc<UnseenSegments>>,
     /// How runs become a pixel.
@@ -57,6 +70,7 @@ impl<'n> SegmentNumbers<'n> {
     pub fn new(
         plan: &Plan,
         labels: &'n LabelNumbers,
+        bricks: &'n LabelBricks,
         unseen: Option<Arc<UnseenSegments>>,
     ) -> Option<SegmentNumbers<'n>> {
         let labelled = plan.labelled()?;
@@ -67,10 +81,12 @@ impl<'n> SegmentNumbers<'n> {
         let gain_of_places = places.map_or(0.0, |places| places.gain_of_runs);
         Some(SegmentNumbers {
             numbers: &labels.numbers,
-            borders: &labels.borders,
+            bricks,
+            shape: Shape::new(&labelled.grid),
             dims: labelled.grid.dims(),
             is_grid_of_field: labelled.grid == plan.field().grid,
             label_from_voxel: Affine::new(labelled.label_from_voxel(plan.field())),
+            number_of_ids: labels.ids.len(),
             gain_of_places,
             most_important: importances.fold(0.0, f32::max) + gain_of_places,
             segments,
@@ -81,21 +97,42 @@ impl<'n> SegmentNumbers<'n> {
     }
 
     /// The number of the segment at each `position` (voxel space of the field), counted from 1: that whose voxels around it
-    /// have the largest weight as trilinear interpolation counts, the first of equals. There are at most 2^24 − 2 segments,
-    /// so that each number is exact.
+    /// have the largest weight as trilinear interpolation counts, the first of equals; anything where not `asked`. There are
+    /// at most 2^24 − 2 segments, so that each number is exact.
     #[inline(always)]
-    pub fn at<S: Level>(&self, position: Vec3s<S>) -> F32s<S> {
-        let cells = self.cells(self.label_from_voxel.point(position));
-        let mut found = [0.0; LANES];
-        for (found, cell) in found.iter_mut().zip(&cells) {
-            let number = match cell {
-                None => self.segments.outside,
-                Some(cell) if !self.borders.has(cell.first) => self.number(cell.first),
-                Some(cell) => self.heaviest(cell),
-            };
-            *found = (number + 1) as f32;
+    pub fn at<S: Level>(&self, position: Vec3s<S>, asked: Mask<S>) -> F32s<S> {
+        self.of_cells(&self.cells(position), asked)
+    }
+
+    /// The same for positions in the `cell`s of the field, as far behind their first voxels as `share` says.
+    #[inline(always)]
+    pub fn at_points<S: Level>(
+        &self,
+        position: Vec3s<S>,
+        (cell, share): ([I32s<S>; 3], Vec3s<S>),
+        asked: Mask<S>,
+    ) -> F32s<S> {
+        if !self.is_grid_of_field {
+            return self.at(position, asked);
         }
-        F32s::from_array(found)
+        let cells = Cells {
+            cell,
+            share,
+            is_inside: !Mask::none(),
+        };
+        self.of_cells(&cells, asked)
+    }
+
+    #[inline(always)]
+    fn of_cells<S: Level>(&self, cells: &Cells<S>, asked: Mask<S>) -> F32s<S> {
+        let words = self.bricks.words(cells.cell);
+        let is_mixed = asked & cells.is_inside & words.lt(I32s::splat(0));
+        let mut found = words.to_f32s();
+        if is_mixed.any() {
+            found = is_mixed.select(self.heaviest(cells, words, is_mixed), found);
+        }
+        let outside = F32s::splat((self.segments.outside + 1) as f32);
+        cells.is_inside.select(found, outside)
     }
 
     /// The gradient, in voxel space of the field, of the weight that the segment with each of these numbers, counted from 1,
@@ -198,59 +235,56 @@ impl<'n> SegmentNumbers<'n> {
         vectorized::<S, _>(
             #[inline(always)]
             || {
-                let cells = self.cells(self.label_from_voxel.point(position));
-                let segment = segment.to_array();
-                let mut found = [0.0; LANES];
-                for i in 0..LANES {
-                    let is_here = |number: u32| (number + 1) as f32 == segment[i];
-                    let is_whole = match &cells[i] {
-                        None => is_here(self.segments.outside),
-                        Some(cell) if !self.borders.has(cell.first) => {
-                            is_here(self.number(cell.first))
-                        }
-                        Some(cell) => {
-                            let (numbers, weights) = (self.numbers_around(cell), cell.weights());
-                            for (number, weight) in numbers.into_iter().zip(weights) {
-                                found[i] += if is_here(number) { weight } else { 0.0 };
-                            }
-                            continue;
-                        }
-                    };
-                    found[i] = f32::from(u8::from(is_whole));
+                let (zero, one) = (F32s::zero(), F32s::splat(1.0));
+                let cells = self.cells(position);
+                let words = self.bricks.words(cells.cell);
+                let outside = F32s::splat((self.segments.outside + 1) as f32);
+                let whole = cells.is_inside.select(words.to_f32s(), outside);
+                let mut found = whole.eq(segment).select(one, zero);
+                let is_mixed = cells.is_inside & words.lt(I32s::splat(0));
+                if (is_mixed & LabelBricks::is_read(words)).any() {
+                    let corners = self.bricks.corners(cells.cell, words);
+                    let mut sum = zero;
+                    for (number, weight) in corners.numbers().into_iter().zip(cells.weights()) {
+                        let number = self.bricks.meant(&corners, number);
+                        sum += number.eq(segment).select(weight, zero);
+                    }
+                    found = is_mixed.select(sum, found);
                 }
-                F32s::from_array(found)
+                let of_many = is_mixed & !LabelBricks::is_read(words);
+                if of_many.any() {
+                    let weight = |numbers: [u32; 8], weights: [f32; 8], lane: usize| {
+                        let own = numbers.into_iter().zip(weights);
+                        let own =
+                            own.filter(|(number, _)| (number + 1) as f32 == segment.lane(lane));
+                        own.map(|(_, weight)| weight).sum()
+                    };
+                    found = of_many.select(self.one_by_one(&cells, of_many, weight), found);
+                }
+                found
             },
         )
     }
 
-    /// The cells around places in voxels of the label volume; `None` beyond its extent.
+    /// The cells of the label volume around each `position`.
     #[inline(always)]
-    fn cells<S: Level>(&self, place: Vec3s<S>) -> [Option<Cell>; LANES] {
-        let (zero, one) = (F32s::zero(), F32s::splat(1.0));
+    fn cells<S: Level>(&self, position: Vec3s<S>) -> Cells<S> {
+        let place = match self.is_grid_of_field {
+            true => position,
+            false => self.label_from_voxel.point(position),
+        };
         let mut is_inside = !Mask::none();
-        for (place, dim) in place.iter().zip(self.dims) {
-            let end = dim as f32 - 0.5;
-            let [low, high] = [-0.5 - ROUNDING, end + ROUNDING].map(F32s::splat);
+        for (place, last) in place.iter().zip(self.shape.last) {
+            let [low, high] = [-0.5 - ROUNDING, last + 0.5 + ROUNDING].map(F32s::splat);
             is_inside = is_inside & low.le(*place) & place.le(high);
         }
-        let is_inside = is_inside.select(one, zero).to_array();
-        let last = self.dims.map(|n| (n - 1) as f32);
-        let inside = each!([0, 1, 2], |axis| {
-            place[axis].max(zero).min(F32s::splat(last[axis]))
-        });
-        let floor = each!(inside, |c| c.floor());
-        let first = each!(floor, |c| c.to_i32s().to_array());
-        let share = each!([0, 1, 2], |axis| (inside[axis] - floor[axis]).to_array());
-        let mut cells = [None; LANES];
-        for (i, cell) in cells.iter_mut().enumerate() {
-            if is_inside[i] > 0.0 {
-                *cell = Some(Cell {
-                    first: [first[0][i], first[1][i], first[2][i]].map(|n| n as usize),
-                    share: [share[0][i], share[1][i], share[2][i]],
-                });
-            }
+        let clamped = self.shape.clamp(place);
+        let cell = self.shape.cell(clamped);
+        Cells {
+            cell,
+            share: each!([0, 1, 2], |axis| clamped[axis] - cell[axis].to_f32s()),
+            is_inside,
         }
-        cells
     }
 
     #[inline(always)]
@@ -263,52 +297,87 @@ impl<'n> SegmentNumbers<'n> {
         }
     }
 
-    #[inline(always)]
-    fn numbers_around(&self, cell: &Cell) -> [u32; 8] {
-        let [x, y, z]: [[usize; 2]; 3] = [0, 1, 2].map(|axis| {
-            let first = cell.first[axis];
-            [first, (first + 1).min(self.dims[axis] - 1)]
-        });
-        let mut numbers = [0; 8];
-        for (corner, number) in numbers.iter_mut().enumerate() {
-            *number = self.number([x[corner & 1], y[corner >> 1 & 1], z[corner >> 2]]);
-        }
-        numbers
+    /// The number, counted from 1, with the largest weight, the smallest of equals, where `asked`; the bricks are not of one
+    /// number and have these `words`.
+    #[inline(never)]
+    fn heaviest<S: Level>(&self, cells: &Cells<S>, words: I32s<S>, asked: Mask<S>) -> F32s<S> {
+        vectorized::<S, _>(
+            #[inline(always)]
+            || {
+                let corners = self.bricks.corners(cells.cell, words);
+                let weights = cells.weights();
+                let is_read = LabelBricks::is_read(words);
+                let mut heavier = is_second_heavier(&corners, &weights);
+                let of_more = asked & is_read & LabelBricks::has_more_than_two(words);
+                if of_more.any() {
+                    let numbers = corners.numbers();
+                    let (of_two, are_two) = heavier_of_two(&numbers, &weights);
+                    heavier = of_more.select(of_two, heavier);
+                    let of_more = of_more & !are_two;
+                    if of_more.any() {
+                        heavier = of_more.select(heaviest_of_eight(&numbers, &weights), heavier);
+                    }
+                }
+                let found = self.bricks.meant(&corners, heavier);
+                let of_many = asked & !is_read;
+                if !of_many.any() {
+                    return found;
+                }
+                let heaviest = |numbers: [u32; 8], weights: [f32; 8], _| {
+                    let numbers =
+                        numbers.map(|number| F32s::<Portable>::splat((number + 1) as f32));
+                    heaviest_of_eight(&numbers, &weights.map(F32s::splat)).lane(0)
+                };
+                of_many.select(self.one_by_one(cells, of_many, heaviest), found)
+            },
+        )
     }
 
-    /// The number with the largest weight, the smallest of equals.
+    /// What `of` makes of the numbers, counted from 0, and the weights of the voxels around a place, and of its lane, where
+    /// `asked`: for bricks of very many numbers.
+    #[cold]
     #[inline(never)]
-    fn heaviest(&self, cell: &Cell) -> u32 {
-        let (numbers, weights) = (self.numbers_around(cell), cell.weights());
-        // Mostly there are two, whose weights add up in the same order.
-        let first = numbers[0];
-        let second = numbers.into_iter().find(|&number| number != first);
-        let second = second.unwrap_or(first);
-        let (mut of_first, mut of_second, mut are_two) = (0.0, 0.0, true);
-        for (number, weight) in numbers.into_iter().zip(weights) {
-            let (is_first, is_second) = (number == first, number == second);
-            of_first += if is_first { weight } else { 0.0 };
-            of_second += if is_second { weight } else { 0.0 };
-            are_two &= is_first | is_second;
-        }
-        if are_two {
-            return match of_first.total_cmp(&of_second) {
-                std::cmp::Ordering::Greater => first,
-                std::cmp::Ordering::Less => second,
-                std::cmp::Ordering::Equal => first.min(second),
-            };
-        }
-        let (mut heaviest, mut largest) = (u32::MAX, 0.0);
-        for number in numbers {
-            let mut weight = 0.0;
-            for (other, of_other) in numbers.iter().zip(weights) {
-                weight += if *other == number { of_other } else { 0.0 };
+    fn one_by_one<S: Level>(
+        &self,
+        cells: &Cells<S>,
+        asked: Mask<S>,
+        of: impl Fn([u32; 8], [f32; 8], usize) -> f32,
+    ) -> F32s<S> {
+        let asked = asked.select(F32s::splat(1.0), F32s::zero());
+        let weights = cells.weights();
+        let found = lanes(|lane| {
+            if asked.lane(lane) == 0.0 {
+                return 0.0;
             }
-            if weight > largest || (weight == largest && number < heaviest) {
-                (heaviest, largest) = (number, weight);
-            }
-        }
-        heaviest
+            let first = [0, 1, 2].map(|axis: usize| cells.cell[axis].lane(lane) as usize);
+            let numbers = [0, 1, 2, 3, 4, 5, 6, 7].map(|corner: usize| {
+                let at =
+                    |axis: usize| (first[axis] + (corner >> axis & 1)).min(self.dims[axis] - 1);
+                self.number([at(0), at(1), at(2)])
+            });
+            of(
+                numbers,
+                [0, 1, 2, 3, 4, 5, 6, 7].map(|i: usize| weights[i].lane(lane)),
+                lane,
+            )
+        });
+        F32s::from_array(found)
+    }
+
+    /// How each is drawn.
+    pub fn looks(&self) -> &NumberedSegments {
+        &self.segments
+    }
+
+    /// Technique and factors of the segments that places can be in: those beyond the extent of the labels only where these
+    /// do not lie on the voxels of the field.
+    pub fn drawn(&self) -> impl Iterator<Item = (&u32, &[f32; 4])> + Clone {
+        let all = self.segments.techniques.iter().zip(&self.segments.factors);
+        let number = match self.is_grid_of_field {
+            true => self.number_of_ids,
+            false => self.segments.techniques.len(),
+        };
+        all.take(number)
     }
 
     /// What the runs of the segment with a number, counted from 1, are multiplied by.
@@ -346,4 +415,54 @@ impl<'n> SegmentNumbers<'n> {
             None => 0.0,
         }
     }
+}
+
+/// Of two numbers, 0 and 1, the heavier one, the smaller of equals. Weights add up in the order of the corners.
+#[inline(always)]
+fn is_second_heavier<S: Level>(corners: &Corners<S>, weights: &[F32s<S>; 8]) -> F32s<S> {
+    let (zero, one) = (F32s::zero(), F32s::splat(1.0));
+    let (mut of_first, mut of_second) = (zero, zero);
+    for (is_second, weight) in corners.are_second().into_iter().zip(weights) {
+        of_first += is_second.select(zero, *weight);
+        of_second += is_second.select(*weight, zero);
+    }
+    of_first.lt(of_second).select(one, zero)
+}
+
+/// Of the numbers of eight corners the heavier one, the smaller of equals, and where there are two at most. Weights add
+/// up in the order of the corners.
+#[inline(always)]
+fn heavier_of_two<S: Level>(numbers: &[F32s<S>; 8], weights: &[F32s<S>; 8]) -> (F32s<S>, Mask<S>) {
+    let zero = F32s::zero();
+    let first = numbers[0];
+    let mut second = first;
+    for number in numbers {
+        second = first.eq(*number).select(second, *number);
+    }
+    let (mut of_first, mut of_second, mut are_two) = (zero, zero, !Mask::none());
+    for (number, weight) in numbers.iter().zip(weights) {
+        let (is_first, is_second) = (first.eq(*number), second.eq(*number));
+        of_first += is_first.select(*weight, zero);
+        of_second += is_second.select(*weight, zero);
+        are_two = are_two & (is_first | is_second);
+    }
+    let lighter = of_first.lt(of_second) | (of_first.eq(of_second) & second.lt(first));
+    (lighter.select(second, first), are_two)
+}
+
+/// Of the numbers of eight corners the heaviest one, the smallest of equals.
+#[inline(always)]
+fn heaviest_of_eight<S: Level>(numbers: &[F32s<S>; 8], weights: &[F32s<S>; 8]) -> F32s<S> {
+    let zero = F32s::zero();
+    let (mut heaviest, mut largest) = (numbers[0], zero);
+    for number in numbers {
+        let mut weight = zero;
+        for (other, of_other) in numbers.iter().zip(weights) {
+            weight += number.eq(*other).select(*of_other, zero);
+        }
+        let better = largest.lt(weight) | (weight.eq(largest) & number.lt(heaviest));
+        heaviest = better.select(*number, heaviest);
+        largest = better.select(weight, largest);
+    }
+    heaviest
 }

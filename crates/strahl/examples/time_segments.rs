@@ -76,47 +76,48 @@ fn cases() -> Vec<Case> {
     let plain = || ("one technique", String::new());
     let all_by_scene =
         r#""segments": [{ "of": "*", "technique": "scene" }, { "of": 0, "technique": "scene" }],"#;
-    let ten: String = (0..10)
-        .map(|i| format!(r#""t{i}": {{ "preset": "mr" }},"#))
-        .collect();
+    let ten: String = (0..10).map(ramp).collect();
     let of_ten: String = (0..210)
         .map(|id| format!(r#"{{ "of": {id}, "technique": "t{}" }},"#, id % 10))
         .collect();
     let anatomy = r#""volume": { "phantom": "anatomy" },"#;
+    let brain_labels = r#""labels": { "path": "DATA/brain-labels.nii.gz" },"#;
+    // With labels another gradient is the default. All pictures of a case have one, so that its cost is not compared.
+    let engine = r##""volume": { "path": "DATA/engine.nii.gz" }, "gradient": { "method": "central" },
+        "transfer_function": { "points": [[60, 0, "#fff4e4"], [255, 0.8, "#fff4e4"]] },"##;
+    let other = r##""techniques": { "red": { "transfer_function": { "points": [[60, 0, "#f43"], [255, 0.8, "#f43"]] } } },
+        "segments": [{ "of": "*", "technique": "scene" }, { "of": 2, "technique": "red" }],"##;
+    let layers = r#""labels": { "layers": [0, 150] },"#;
     vec![
         (
             "engine",
-            r#""volume": { "path": "DATA/engine.nii.gz" },"#,
+            engine,
             vec![
                 plain(),
                 (
-                    "two segments",
-                    format!(r#"{all_by_scene} "labels": {{ "layers": [0, 150] }},"#),
+                    "two segments, one technique",
+                    format!("{all_by_scene} {layers}"),
                 ),
+                ("two segments, two techniques", format!("{other} {layers}")),
             ],
         ),
         (
             "anatomy",
-            anatomy,
+            r#""volume": { "phantom": "anatomy" }, "gradient": { "method": "central" },"#,
             vec![plain(), ("27 segments", all_by_scene.to_owned())],
         ),
         (
             "brain",
-            r#""volume": { "path": "DATA/brain-t1.nii.gz" }, "preset": "mr","#,
+            r#""volume": { "path": "DATA/brain-t1.nii.gz" }, "preset": "mr", "gradient": { "method": "central" },"#,
             vec![
                 plain(),
                 (
                     "207 segments, one technique",
-                    format!(
-                        r#"{all_by_scene} "labels": {{ "path": "DATA/brain-labels.nii.gz" }},"#
-                    ),
+                    format!("{all_by_scene} {brain_labels}"),
                 ),
                 (
                     "207 segments, 10 techniques",
-                    format!(
-                        r#""techniques": {{ {ten} }}, "segments": [{of_ten}],
-                           "labels": {{ "path": "DATA/brain-labels.nii.gz" }},"#
-                    ),
+                    format!(r#""techniques": {{ {ten} }}, "segments": [{of_ten}], {brain_labels}"#),
                 ),
             ],
         ),
@@ -132,6 +133,18 @@ fn cases() -> Vec<Case> {
         ),
         ("rules on anatomy", anatomy, rules()),
     ]
+}
+
+/// A technique with the opacities of the preset `mr`, and colors of its own.
+fn ramp(number: usize) -> String {
+    let colors = ["#3a2a26", "#7a5a4c", "#c49a80", "#e8ccb0", "#fff4e4"];
+    let color = |i: usize| colors[(i + number) % 5];
+    let [a, b, c, d, e] = [0, 1, 2, 3, 4].map(color);
+    format!(
+        r#""t{number}": {{ "transfer_function": {{ "points_in": "window", "points": [
+            [0.0, 0.0, "{a}"], [0.15, 0.02, "{b}"], [0.4, 0.25, "{c}"], [0.7, 0.5, "{d}"], [1.0, 0.8, "{e}"]
+        ] }} }},"#
+    )
 }
 
 /// Emission and absorption, then the rules of the table of the source (S1, table 4.1).

@@ -54,7 +54,7 @@ pub use control::{Cancelled, Control, Parts, Work};
 pub use datasets::Datasets;
 pub use error::{Error, ErrorKind, Remedy};
 pub use grid::{Grid, voxel_count};
-pub use label_numbers::{BorderCells, LabelNumbers, LabelNumbersKey};
+pub use label_numbers::{LabelNumbers, LabelNumbersKey};
 pub use labels::{Label, LabelIds, LabelVolume};
 pub use made_labels::{MOST_THRESHOLDS, MergedMasks};
 pub use mesh::Mesh;

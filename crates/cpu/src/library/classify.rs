@@ -4,12 +4,14 @@ mod integrals;
 mod interval_visibility;
 mod sample;
 mod surface;
+mod tables;
 mod transfer;
 
 pub use integrals::Integrals;
 pub use interval_visibility::IntervalVisibility;
 pub use sample::Sample;
 pub use surface::Surface;
+pub use tables::Tables;
 pub use transfer::Table;
 
 use crate::levels::Level;

@@ -12,7 +12,8 @@ use strahl_scene::plan::GlobalRule;
 pub struct Runs<S: Level> {
     /// The number of the segment, counted from 1; 0 before the first.
     pub segment: F32s<S>,
-    /// Its technique, counted from 1; 0 where it is hidden or nothing of the run is left to be added.
+    /// Its technique, counted from 1; 0 where it is hidden or the ray is complete, and
+    /// [`FINISHED`](crate::segment_looks::FINISHED) where nothing of the run is left to be added.
     pub technique: F32s<S>,
     /// Its group, counted from 1; 0 where it is in none.
     pub group: F32s<S>,

@@ -7,6 +7,7 @@ use crate::lanes::{F32s, Mask, Vec3s, each, lanes};
 use crate::levels::{Level, vectorized};
 use crate::library::composite::{Crossing, Rule, State, with_rule};
 use crate::scenery::Object;
+use crate::segment_looks::FINISHED;
 use crate::segment_numbers::SegmentNumbers;
 
 impl<S: Level> Packet<'_, S> {
@@ -34,7 +35,9 @@ impl<S: Level> Packet<'_, S> {
             let position = line.position(k + rays.jitter);
             if let Some(skip) = everywhere {
                 // A run ends before anything behind it is left out. One that has seen nothing may as well begin behind it.
-                let is_free = self.runs.technique.eq(F32s::zero()) | self.sees_nothing();
+                let technique = self.runs.technique;
+                let begins = technique.lt(F32s::splat(FINISHED)) & self.sees_nothing();
+                let is_free = technique.eq(F32s::zero()) | begins;
                 let jump = skip.jump(shape, line, position);
                 let jumping = live & is_free & F32s::zero().lt(jump);
                 if jumping.any() {
@@ -60,7 +63,7 @@ impl<S: Level> Packet<'_, S> {
             // The others wait, so that sampling happens for as many rays as possible.
             let waits = 2 * idling.count() > live.count();
             let moving = if waits { idling } else { live };
-            let here = segments.at(position);
+            let here = segments.at(position, moving);
             let changed = moving & !here.eq(self.runs.segment);
             if changed.any() {
                 live = live & !self.change_segments(segments, here, changed);
@@ -74,7 +77,9 @@ impl<S: Level> Packet<'_, S> {
                 live = live & self.k.lt(end);
                 continue;
             }
-            let shown = live & !idling & F32s::zero().lt(self.runs.technique);
+            let technique = self.runs.technique;
+            let is_shown = F32s::zero().lt(technique) & technique.lt(F32s::splat(FINISHED));
+            let shown = live & !idling & is_shown;
             let kept = self.scenery.objects[0].clips.keep(position, shown);
             if kept.any() {
                 live = live & !self.sample_segments(segments, k, position, kept);
@@ -151,7 +156,7 @@ impl<S: Level> Packet<'_, S> {
             let done = own & with_rule!(object.composite, rule => rule.done(&self.state));
             if done.any() {
                 self.end_runs_of(object, done);
-                self.runs.technique = done.select(zero, self.runs.technique);
+                self.runs.technique = done.select(F32s::splat(FINISHED), self.runs.technique);
                 ended = ended | (done & self.runs.are_complete(segments));
             }
         }

@@ -7,37 +7,19 @@
 //! opacity, which decides what later samples count for, needs no light).
 
 use super::packet::Packet;
+use super::points::Points;
+use super::unlit_samples::UnlitSamples;
 use crate::lanes::{F32s, I32s, LANES, Mask, Vec3s, each, lanes, to_rows};
 use crate::levels::{Level, inlined, vectorized};
 use crate::library::classify::Surface;
 use crate::library::composite::first_hit::FirstHit;
 use crate::library::composite::mida::Mida;
 use crate::library::composite::{self, Crossing, Rule, emission_absorption};
-use crate::library::fetch::{Fetch, Linear, Shape};
+use crate::library::fetch::{Fetch, Linear};
 use crate::library::reconstruct::trilinear;
 use crate::scenery::{Object, Stored};
 use strahl_scene::plan::Composite;
 use strahl_volume::Sample;
-
-/// Lattice points at which the rays are, with what bricks and voxels both need of them.
-#[derive(Clone, Copy)]
-struct Points<S: Level> {
-    position: Vec3s<S>,
-    clamped: Vec3s<S>,
-    cell: [I32s<S>; 3],
-}
-
-impl<S: Level> Points<S> {
-    #[inline(always)]
-    fn at(shape: &Shape, position: Vec3s<S>) -> Points<S> {
-        let clamped = shape.clamp(position);
-        Points {
-            position,
-            clamped,
-            cell: shape.cell(clamped),
-        }
-    }
-}
 
 impl<S: Level> Packet<'_, S> {
     /// Front to back through the voxels `stored` of `object`, for which [`Object::stored_for`] gave them.
@@ -234,11 +216,7 @@ impl<S: Level> Packet<'_, S> {
             let next = seeing.select(k + stride, jumped);
             let there = Points::at(shape, line.position(next + rays.jitter));
             let next_cube = cubes.as_ref().map(|cubes| cubes.at(there.cell));
-            let part = [
-                here.clamped[0] - here.cell[0].to_f32s(),
-                here.clamped[1] - here.cell[1].to_f32s(),
-                here.clamped[2] - here.cell[2].to_f32s(),
-            ];
+            let part = here.part();
             // SAFETY: `shape` is that of the voxels.
             let corners = unsafe { voxels.corners(here.cell) };
             let value = object.rescaled(trilinear::between(corners, part));
@@ -288,75 +266,5 @@ impl<S: Level> Packet<'_, S> {
                 waiting.drop_first(number);
             },
         );
-    }
-}
-
-/// Samples that are to be lit, in the order of each ray.
-struct UnlitSamples {
-    number: usize,
-    /// Position (voxel space), value, share of the pixel, ray.
-    samples: [[f32; UnlitSamples::MOST]; 6],
-    to_eye: [[f32; LANES]; 3],
-    /// The colour of each ray so far.
-    sums: [[f32; 4]; LANES],
-}
-
-impl UnlitSamples {
-    /// One less than those that are lit at once, those of one step, and what appending writes behind them.
-    const MOST: usize = 3 * LANES;
-
-    #[inline(always)]
-    fn new<S: Level>(to_eye: Vec3s<S>, [r, g, b]: Vec3s<S>) -> UnlitSamples {
-        UnlitSamples {
-            number: 0,
-            samples: [[0.0; UnlitSamples::MOST]; 6],
-            to_eye: each!(to_eye, |part| part.to_array()),
-            sums: to_rows([r, g, b, F32s::zero()]),
-        }
-    }
-
-    #[inline(always)]
-    fn push<S: Level>(
-        &mut self,
-        position: Vec3s<S>,
-        value: F32s<S>,
-        share: F32s<S>,
-        visible: Mask<S>,
-    ) {
-        let ray = F32s::from_array(lanes(|i| i as f32));
-        let [x, y, z] = position;
-        let to = &mut self.samples;
-        let at = self.number;
-        let [a, b, c, d, e, f] = to;
-        visible.append(x, a, at);
-        visible.append(y, b, at);
-        visible.append(z, c, at);
-        visible.append(value, d, at);
-        visible.append(share, e, at);
-        visible.append(ray, f, at);
-        self.number += visible.count() as usize;
-    }
-
-    #[inline(always)]
-    fn first<S: Level>(&self) -> [F32s<S>; 6] {
-        let [a, b, c, d, e, f] = &self.samples;
-        [
-            F32s::from_start(a),
-            F32s::from_start(b),
-            F32s::from_start(c),
-            F32s::from_start(d),
-            F32s::from_start(e),
-            F32s::from_start(f),
-        ]
-    }
-
-    #[inline(always)]
-    fn drop_first(&mut self, number: usize) {
-        self.number -= number;
-        if number == LANES {
-            for numbers in &mut self.samples {
-                numbers.copy_within(LANES..2 * LANES, 0);
-            }
-        }
     }
 }

@@ -31,6 +31,11 @@ impl<'p> Table<'p> {
         }
     }
 
+    /// Where the first entry lies, entries per unit of value, and the number of the last entry.
+    pub fn domain(&self) -> (f32, f32, f32) {
+        (self.lo, self.entries_per_value, self.last)
+    }
+
     /// The last entry at or below `value`, and the part of the way to the next one.
     #[inline(always)]
     fn place<S: Level>(&self, value: F32s<S>) -> (I32s<S>, F32s<S>) {
