@@ -39,7 +39,7 @@ pub struct Prepared {
     known: Vec<Known<'static>>,
     masks: Vec<Volume>,
     /// Of the label volume whose segments are drawn.
-    labels: Option<(Arc<LabelNumbers>, Arc<LabelBricks>)>,
+    labels: Option<NumberedLabels>,
     /// Where its segments show nothing.
     unseen: Option<Arc<UnseenSegments>>,
     jitters: Jitters,
@@ -80,11 +80,11 @@ impl Prepared {
             });
             sources.push(reading.source);
         }
-        let labels = label_numbers(making, data, plan)?;
+        let labels = NumberedLabels::of_plan(making, data, plan)?;
         let mut unseen = None;
         if let (Some(labelled), Some(numbers), Some((source, bricks))) = (
             plan.labelled(),
-            labels.as_ref().map(|(numbers, _)| &**numbers),
+            labels.as_ref().map(|labels| &*labels.numbers),
             bricks_of_labelled.filter(|_| skips),
         ) {
             let labels = (data.labels[labelled.labels].content_id(), numbers);
@@ -141,8 +141,8 @@ impl Prepared {
                 known,
             )
         };
-        let segments = self.labels.as_ref().and_then(|(numbers, bricks)| {
-            SegmentNumbers::new(plan, numbers, bricks, self.unseen.clone())
+        let segments = self.labels.as_ref().and_then(|labels| {
+            SegmentNumbers::new(plan, &labels.numbers, &labels.bricks, self.unseen.clone())
         });
         let segments = segments.map(Arc::new);
         let of_segments = |technique| {
@@ -158,7 +158,7 @@ impl Prepared {
             None => self.known.into_iter().enumerate().map(object).collect(),
         };
         let looks = segments.as_deref();
-        let looks = looks.and_then(|segments| SegmentLooks::new(segments, &objects));
+        let looks = looks.and_then(|segments| SegmentLooks::new(plan, segments));
         draw(&Scenery {
             plan,
             objects,
@@ -173,22 +173,31 @@ impl Prepared {
     }
 }
 
-/// The numbers of the segments of `plan`, if it has those of a label volume, by voxel and in bricks.
-fn label_numbers(
-    making: &Making,
-    data: &Datasets,
-    plan: &Plan,
-) -> Result<Option<(Arc<LabelNumbers>, Arc<LabelBricks>)>, Error> {
-    let Some(labelled) = plan.labelled() else {
-        return Ok(None);
-    };
-    let labels = &data.labels[labelled.labels];
-    let key = LabelNumbersKey(labels.content_id());
-    let numbers = making.find(&key, || labels.numbers_under(making.control))?;
-    let dims = labels.grid().dims();
-    let key = LabelBricksKey(labels.content_id());
-    let bricks = making.find(&key, || LabelBricks::under(&numbers, dims, making.control))?;
-    Ok(Some((numbers, bricks)))
+/// The numbers of a label volume, by voxel and in bricks.
+struct NumberedLabels {
+    numbers: Arc<LabelNumbers>,
+    bricks: Arc<LabelBricks>,
+}
+
+impl NumberedLabels {
+    /// Of the label volume whose segments `plan` draws, if it draws such.
+    fn of_plan(
+        making: &Making,
+        data: &Datasets,
+        plan: &Plan,
+    ) -> Result<Option<NumberedLabels>, Error> {
+        let Some(labelled) = plan.labelled() else {
+            return Ok(None);
+        };
+        let labels = &data.labels[labelled.labels];
+        let key = LabelNumbersKey(labels.content_id());
+        let numbers = making.find(&key, || labels.numbers_under(making.control))?;
+        let dims = labels.grid().dims();
+        let key = LabelBricksKey(labels.content_id());
+        let make = || LabelBricks::under(&numbers, dims, making.control);
+        let bricks = making.find(&key, make)?;
+        Ok(Some(NumberedLabels { numbers, bricks }))
+    }
 }
 
 /// The values of a field: slots fetch and reconstruct.

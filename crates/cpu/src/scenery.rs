@@ -21,7 +21,6 @@ use crate::skip::Skip;
 use crate::strides::{Strides, of_stride};
 use std::sync::Arc;
 use strahl_scene::plan::{Classify, Composite, GradientInput, Plan, Technique};
-use strahl_scene::transfer::TransferTable;
 use strahl_volume::{Grid, Samples};
 
 /// The functions in the slots, with what they read.
@@ -50,7 +49,6 @@ pub struct Object<'p, S: Level> {
     pub stored: Option<Stored<'p>>,
     pub clips: SampleClips<'p, S>,
     pub table: Table<'p>,
-    transfer_table: &'p TransferTable,
     pub gradients: Gradients,
     gradient_input: GradientInput,
     /// Those that gradients of segments are found in.
@@ -164,7 +162,6 @@ impl<'p, S: Level> Object<'p, S> {
             rescale: [field.rescale.slope, field.rescale.intercept].map(|number| number as f32),
             clips: SampleClips::new(plan, layer, &field.grid, masks),
             table: Table::new(table),
-            transfer_table: table,
             gradients: Gradients::new(field.gradient, &field.grid),
             gradient_input: technique.gradient_input,
             segments,
@@ -200,28 +197,6 @@ impl<'p, S: Level> Object<'p, S> {
         self.stored
             .as_ref()
             .filter(|_| fits && skips && self.clips.is_empty())
-    }
-
-    /// What the table is made of.
-    pub fn transfer_table(&self) -> &'p TransferTable {
-        self.transfer_table
-    }
-
-    /// What is in slot classify.
-    pub fn classify_slot(&self) -> Classify {
-        self.classify
-    }
-
-    /// Whether the opacity of a step is worked out as that of `other` is.
-    pub fn has_steps_of(&self, other: &Object<S>) -> bool {
-        self.steps_per_reference == other.steps_per_reference
-    }
-
-    /// Whether samples with the same colour look as those of `other` do.
-    pub fn is_lit_as(&self, other: &Object<S>) -> bool {
-        let is_of_opacity = self.gradient_input == GradientInput::Opacity;
-        let has_one_normal = !is_of_opacity && self.gradient_input == other.gradient_input;
-        self.shading.has_model_of(&other.shading) && (self.shading.is_unlit() || has_one_normal)
     }
 
     /// The value of a stored number.

@@ -3,9 +3,8 @@
 use crate::lanes::{F32s, I32s, LANES, Mask, Vec3s, each, lanes, words_inside};
 use crate::levels::Level;
 use crate::library::classify::Tables;
-use crate::scenery::Object;
 use crate::segment_numbers::SegmentNumbers;
-use strahl_scene::plan::{Classify, Composite, GlobalRule};
+use strahl_scene::plan::{Classify, Composite, GlobalRule, GradientInput, Plan, Shade, Technique};
 
 /// A technique that has no more to add to the run of a segment.
 pub const FINISHED: f32 = 65535.0;
@@ -31,31 +30,32 @@ pub struct SegmentLooks {
 }
 
 impl SegmentLooks {
-    /// Those of `segments`, drawn by the techniques of `objects`; `None` if only the general loop can draw them.
-    pub fn new<S: Level>(segments: &SegmentNumbers, objects: &[Object<S>]) -> Option<SegmentLooks> {
+    /// Those of the `segments` of `plan`; `None` if only the general loop can draw them.
+    pub fn new(plan: &Plan, segments: &SegmentNumbers) -> Option<SegmentLooks> {
         let GlobalRule::EmissionAbsorption {
             stop_at_transmittance: of_ray,
         } = segments.rule
         else {
             return None;
         };
-        let first = objects.first()?;
+        let first = plan.drawn_techniques().next()?;
         let Composite::EmissionAbsorption {
             stop_at_transmittance: of_run,
         } = first.composite
         else {
             return None;
         };
-        let fits = |object: &Object<S>| {
-            object.composite == first.composite
-                && object.has_steps_of(first)
-                && object.classify_slot() == Classify::Table
-                && object.shading.is_of_single_samples()
+        let fits = |technique: &Technique| {
+            technique.composite == first.composite
+                && technique.table.reference_mm() == first.table.reference_mm()
+                && technique.classify == Classify::Table
+                && is_of_single_samples(technique.shade)
         };
-        if !segments.groups.is_empty() || !first.clips.is_empty() || !objects.iter().all(fits) {
+        let is_clipped = !plan.sample_clips.is_empty();
+        if is_clipped || !segments.groups.is_empty() || !plan.drawn_techniques().all(fits) {
             return None;
         }
-        let tables: Vec<_> = objects.iter().map(Object::transfer_table).collect();
+        let tables: Vec<_> = plan.drawn_techniques().map(|t| &t.table).collect();
         let tables = Tables::new(&tables)?;
         let looks = segments.looks();
         let mut techniques: Vec<u8> = vec![0];
@@ -81,7 +81,9 @@ impl SegmentLooks {
             are_untinted: drawn.clone().all(|(_, factors)| *factors == [1.0; 4]),
             factors,
             are_flat,
-            are_lit_alike: objects.iter().all(|object| object.is_lit_as(first)),
+            are_lit_alike: plan
+                .drawn_techniques()
+                .all(|other| are_lit_alike(first, other)),
             stop_at_transmittance: [of_run, of_ray],
         })
     }
@@ -121,4 +123,22 @@ impl SegmentLooks {
         let passing = F32s::splat(1.0) - alpha;
         passing.lt(F32s::splat(self.stop_at_transmittance[1])) | passing.le(F32s::zero())
     }
+}
+
+/// Whether the shading of a sample asks for nothing of earlier ones, and leaves its opacity as it is.
+fn is_of_single_samples(model: Shade) -> bool {
+    match model {
+        Shade::Unlit => true,
+        Shade::Lit {
+            keep_last_normal, ..
+        } => !keep_last_normal,
+        _ => false,
+    }
+}
+
+/// Whether samples of one color look alike by both.
+fn are_lit_alike(a: &Technique, b: &Technique) -> bool {
+    let have_one_normal =
+        a.gradient_input != GradientInput::Opacity && a.gradient_input == b.gradient_input;
+    a.shade == b.shade && (a.shade == Shade::Unlit || have_one_normal)
 }

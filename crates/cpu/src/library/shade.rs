@@ -55,11 +55,6 @@ impl Shading {
         matches!(self.model, Shade::Unlit)
     }
 
-    /// Whether it is that of `other`. (Lights are those of the Plan.)
-    pub fn has_model_of(&self, other: &Shading) -> bool {
-        self.model == other.model
-    }
-
     /// Whether a sample's shading asks for nothing of earlier ones, and leaves its opacity as it is.
     pub fn is_of_single_samples(&self) -> bool {
         match self.model {
