@@ -184,6 +184,11 @@ const CHOSEN: &[(&str, &str, &str)] = &[
     ),
     (
         "illuminate",
+        "blinn-phong-two-sided",
+        r#""shading": { "model": "blinn-phong-two-sided" }, "lights": [{ "type": "directional", "azimuth_deg": 200, "elevation_deg": 20 }]"#,
+    ),
+    (
+        "illuminate",
         "cook-torrance",
         r#""shading": { "model": "cook-torrance" }"#,
     ),

@@ -23,9 +23,9 @@ use glam::{DAffine3, DVec3};
 use set_up::SetUp;
 use strahl_scene::plan::{
     Classify, ClipShape, Composite, Compositing, Fetch, GradientInput, GradientMethod, Illuminate,
-    Jitter, Plan, PlanLight, Projection, Reconstruct, SampleClip, Sampling, Shade,
+    Jitter, Plan, Projection, Reconstruct, SampleClip, Sampling, Shade,
 };
-use surface::{Lighting, classify, illuminate, opacity_of_length};
+use surface::{Lighting, Seen, classify, illuminate, opacity_of_length};
 
 /// The share of the values that a gradient is made of which rounding can make of it.
 const GRADIENT_ROUNDING: f64 = 1.0 / 262_144.0;
@@ -68,7 +68,13 @@ pub fn covers(plan: &Plan) -> bool {
             illuminate,
             keep_last_normal,
             ..
-        } => matches!(illuminate, Illuminate::BlinnPhong { .. }) && !keep_last_normal,
+        } => {
+            let has_model = matches!(
+                illuminate,
+                Illuminate::BlinnPhong { .. } | Illuminate::Lambert { .. }
+            );
+            has_model && !keep_last_normal
+        }
         _ => false,
     };
     let projection = matches!(
@@ -95,7 +101,6 @@ pub fn covers(plan: &Plan) -> bool {
                     | Composite::BackToFront
                     | Composite::FirstHit { .. }
             ))
-        && !(plan.lights.iter()).any(|light| matches!(light, PlanLight::Point { .. }))
         && plan
             .sample_clips
             .iter()
@@ -630,7 +635,12 @@ impl<'p> Line<'p> {
             };
             axis.abs().dot(doubt) + rounding
         }));
-        let light = illuminate(self.plan, gradient, doubt, self.direction);
+        let grid = &self.plan.field().grid;
+        let seen = Seen {
+            place_mm: grid.world_from_voxel().transform_point3(place),
+            direction: self.direction,
+        };
+        let light = illuminate(self.plan, gradient, doubt, seen);
         match exists.and(is_more) {
             Answer::Maybe => light.hull(Lighting::UNLIT),
             _ => light,

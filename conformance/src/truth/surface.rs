@@ -105,7 +105,7 @@ impl Lighting {
     }
 }
 
-/// Blinn–Phong, the one model that the truth has.
+/// Blinn–Phong, and Lambert as Blinn–Phong without a highlight: the models that the truth has.
 struct Parts {
     ambient: f32,
     diffuse: f32,
@@ -132,36 +132,82 @@ impl Parts {
                 specular,
                 shininess,
             }),
+            Shade::Lit {
+                ambient,
+                illuminate: Illuminate::Lambert { diffuse },
+                ..
+            } => Some(Parts {
+                ambient,
+                diffuse,
+                specular: 0.0,
+                shininess: 1.0,
+            }),
             _ => None,
         }
     }
 }
 
-/// The light on a surface seen along `direction` whose gradient (world space, per mm) is `gradient`, give
-/// or take `doubt` in each component.
-pub fn illuminate(plan: &Plan, gradient: DVec3, doubt: DVec3, direction: DVec3) -> Lighting {
+/// A place on a ray.
+#[derive(Clone, Copy, Debug)]
+pub struct Seen {
+    /// World space, mm.
+    pub place_mm: DVec3,
+    /// Of the ray, unit length.
+    pub direction: DVec3,
+}
+
+impl Seen {
+    /// Unit vector towards a light, and linear RGB of what arrives from it.
+    fn arriving(self, light: &PlanLight) -> (DVec3, [f64; 3]) {
+        match *light {
+            PlanLight::Directional { to_light, radiance } => (to_light, radiance.map(f64::from)),
+            PlanLight::Head { radiance } => (-self.direction, radiance.map(f64::from)),
+            PlanLight::Point {
+                place_mm,
+                reach_mm,
+                radiance,
+            } => {
+                let way = place_mm - self.place_mm;
+                let fall = f64::from(reach_mm) / way.length();
+                let radiance = radiance.map(|r| f64::from(r) * fall * fall);
+                (way.normalize(), radiance)
+            }
+        }
+    }
+}
+
+/// The light on a surface seen at a place whose gradient (world space, per mm) is `gradient`, give or take `doubt` in
+/// each component.
+pub fn illuminate(plan: &Plan, gradient: DVec3, doubt: DVec3, seen: Seen) -> Lighting {
     let Some(Parts { shininess, .. }) = Parts::of(plan) else {
         return Lighting::UNLIT;
     };
-    let lit = blinn_phong(plan, gradient, direction);
+    let lit = blinn_phong(plan, gradient, seen);
     if doubt == DVec3::ZERO {
         return lit;
     }
     // Turning by this much changes a highlight by its steepness, √shininess, times it.
     let turn = doubt.length() / gradient.length();
     if gradient == DVec3::ZERO || turn * f64::from(shininess).max(1.0).sqrt() > 0.02 {
-        return lit.hull(Lighting::UNLIT).hull(any_normal(plan));
+        return lit.hull(Lighting::UNLIT).hull(any_normal(plan, seen));
     }
     let mut lighting = lit;
     for corner in 0..8 {
         let sign = |axis: usize| if corner >> axis & 1 == 1 { 1.0 } else { -1.0 };
         let moved = gradient + doubt * DVec3::new(sign(0), sign(1), sign(2));
-        lighting = lighting.hull(blinn_phong(plan, moved, direction));
+        lighting = lighting.hull(blinn_phong(plan, moved, seen));
     }
     // Curvature between the corners, and single precision in what follows: dot products, a power.
-    let slack = turn * turn * f64::from(shininess).max(1.0) + 2e-6;
-    let power = 3e-6 * f64::from(shininess).max(1.0);
-    let strength = any_normal(plan);
+    let is_point = |light: &PlanLight| matches!(light, PlanLight::Point { .. });
+    // The way to a lamp is a difference of two places far from the origin.
+    let single = if plan.lights.iter().any(is_point) {
+        8e-6
+    } else {
+        2e-6
+    };
+    let slack = turn * turn * f64::from(shininess).max(1.0) + single;
+    let power = 1.5 * single * f64::from(shininess).max(1.0);
+    let strength = any_normal(plan, seen);
     for c in 0..3 {
         lighting.factor[c] = lighting.factor[c].widened(slack * strength.factor[c].hi);
         lighting.highlight[c] =
@@ -171,7 +217,7 @@ pub fn illuminate(plan: &Plan, gradient: DVec3, doubt: DVec3, direction: DVec3) 
 }
 
 /// Whatever the normal is.
-fn any_normal(plan: &Plan) -> Lighting {
+fn any_normal(plan: &Plan, seen: Seen) -> Lighting {
     let Some(Parts {
         ambient,
         diffuse,
@@ -186,11 +232,8 @@ fn any_normal(plan: &Plan) -> Lighting {
         highlight: [Range::exactly(0.0); 3],
     };
     for light in &plan.lights {
-        let radiance = match *light {
-            PlanLight::Directional { radiance, .. } | PlanLight::Head { radiance } => radiance,
-            PlanLight::Point { .. } => continue, // not covered
-        };
-        for (c, radiance) in radiance.map(f64::from).into_iter().enumerate() {
+        let (_, radiance) = seen.arriving(light);
+        for (c, radiance) in radiance.into_iter().enumerate() {
             lighting.factor[c].hi += f64::from(diffuse) * radiance;
             lighting.highlight[c].hi += f64::from(specular) * radiance;
         }
@@ -198,7 +241,7 @@ fn any_normal(plan: &Plan) -> Lighting {
     lighting
 }
 
-fn blinn_phong(plan: &Plan, gradient: DVec3, direction: DVec3) -> Lighting {
+fn blinn_phong(plan: &Plan, gradient: DVec3, seen: Seen) -> Lighting {
     let Some(Parts {
         ambient,
         diffuse,
@@ -211,7 +254,7 @@ fn blinn_phong(plan: &Plan, gradient: DVec3, direction: DVec3) -> Lighting {
     let Some(normal) = gradient.try_normalize() else {
         return Lighting::UNLIT;
     };
-    let view = -direction;
+    let view = -seen.direction;
     let normal = if normal.dot(view) < 0.0 {
         -normal
     } else {
@@ -220,15 +263,11 @@ fn blinn_phong(plan: &Plan, gradient: DVec3, direction: DVec3) -> Lighting {
     let mut factor = [f64::from(ambient); 3];
     let mut highlight = [0.0; 3];
     for light in &plan.lights {
-        let (to_light, radiance) = match *light {
-            PlanLight::Directional { to_light, radiance } => (to_light, radiance),
-            PlanLight::Head { radiance } => (view, radiance),
-            PlanLight::Point { .. } => continue, // not covered
-        };
+        let (to_light, radiance) = seen.arriving(light);
         let cosine = normal.dot(to_light).max(0.0);
         let half = (to_light + view).normalize_or_zero();
         let lobe = normal.dot(half).max(0.0).powf(f64::from(shininess));
-        for (c, radiance) in radiance.map(f64::from).into_iter().enumerate() {
+        for (c, radiance) in radiance.into_iter().enumerate() {
             factor[c] += f64::from(diffuse) * radiance * cosine;
             if cosine > 0.0 {
                 highlight[c] += f64::from(specular) * radiance * lobe;

@@ -185,6 +185,52 @@ fn thresholds_show_what_is_above_them() {
     }
 }
 
+/// ambient·c + Σ radiance·(diffuse·c·|N·L| + specular·|N·H|^shininess), with absolute values of both products.
+#[test]
+fn two_sided_blinn_phong_has_absolute_products() {
+    let normal = DVec3::new(0.3, -0.2, -0.9).normalize();
+    let grid = centred([12; 3], DMat3::IDENTITY);
+    let volume = crate::simple::volume(grid, |place| 50.0 + 10.0 * normal.dot(place));
+    let eye = DVec3::new(0.1, 0.2, -1.0).normalize();
+    // From the side of the eye, from behind, from behind with a half vector that points away, from along the surface.
+    for to_light in [
+        DVec3::new(0.7, 0.1, -0.6),
+        DVec3::new(0.2, -0.3, 0.9),
+        DVec3::new(-0.9, 0.3, 1.5),
+        normal.cross(eye),
+    ] {
+        let light = to_light.normalize();
+        let mut plan = plan(&volume, parallel(-eye, 40.0, 2.0), white(1.0, 1.0));
+        (plan.width, plan.height) = (3, 3);
+        one_sample_at(&mut plan, 0.0);
+        let radiance = [0.8, 0.5, 0.2];
+        plan.lights = vec![PlanLight::Directional {
+            to_light: light,
+            radiance,
+        }];
+        plan.technique_mut().shade = Shade::Lit {
+            ambient: 0.1,
+            illuminate: Illuminate::BlinnPhongTwoSided {
+                diffuse: 0.6,
+                specular: 0.3,
+                shininess: 5.0,
+            },
+            keep_last_normal: false,
+        };
+        let half = (light + eye).normalize();
+        let lit = 0.6 * normal.dot(light).abs() + 0.3 * normal.dot(half).abs().powi(5);
+        let mut renderers = Vec::new();
+        for (renderer, _, _, pixel) in draw(&volume, &plan) {
+            renderers.push(renderer.name);
+            for (found, radiance) in pixel.into_iter().zip(radiance) {
+                let what = format!("{renderer} {light}");
+                near(&what, found, 0.1 + f64::from(radiance) * lit, 1e-4);
+            }
+        }
+        assert!(renderers.contains(&"cpu") && renderers.contains(&"evaluator"));
+    }
+}
+
 /// R. Cook and K. Torrance 1982: D of B. Walter et al. 2007, G of E. Heitz 2014 (height-correlated Smith) and F of C.
 /// Schlick 1994, as they are printed there; everything times π, as the diffuse part is.
 #[test]
@@ -248,6 +294,54 @@ fn cook_torrance_is_d_times_f_times_g() {
                         2e-3 * expected.max(1.0),
                     );
                 }
+            }
+        }
+    }
+}
+
+/// Opacity times min(|gradient| / full, 1).
+#[test]
+fn gradient_opacity_is_opacity_times_the_gradient() {
+    let volume = crate::simple::volume(centred([12; 3], DMat3::IDENTITY), |place| 10.0 * place.y);
+    for (full_per_mm, share) in [(40.0f32, 0.25), (10.0, 1.0), (5.0, 1.0)] {
+        let mut plan = plan(&volume, parallel(DVec3::Z, 40.0, 2.0), white(0.5, 1.0));
+        plan.lattice.step_mm = 1.0;
+        one_sample_at(&mut plan, 0.0);
+        plan.technique_mut().shade = Shade::GradientOpacity { full_per_mm };
+        for (renderer, _, _, pixel) in draw(&volume, &plan) {
+            for found in pixel {
+                near(&format!("{renderer}"), found, 0.5 * share, 1e-5);
+            }
+        }
+    }
+}
+
+/// Between two voxels, the premultiplied mean of what both look like: not the look of the value between them.
+#[test]
+fn pre_classified_voxels_are_mixed() {
+    let volume = column(&[0.0, 100.0, 0.0, 100.0, 0.0, 100.0]);
+    let entry = |r: f32, g: f32, a: f32| [r, g, 0.0, a];
+    let entries = vec![
+        entry(1.0, 0.0, 0.2),
+        entry(0.0, 0.0, 1.0),
+        entry(0.0, 1.0, 0.6),
+    ];
+    let table = TransferTable::new([0.0, 100.0], 1.0, entries);
+    for part in [0.25, 0.5, 0.75] {
+        let mut plan = down(&volume, table.clone());
+        plan.field_mut().reconstruct = Reconstruct::Trilinear;
+        plan.technique_mut().classify = Classify::PreClassified;
+        // Between the voxels 2 and 3, at −0.5 and 0.5 mm.
+        one_sample_at(&mut plan, part - 0.5);
+        for (renderer, _, _, pixel) in draw(&volume, &plan) {
+            let expected = [
+                0.2 * (1.0 - part),
+                0.6 * part,
+                0.0,
+                0.2 * (1.0 - part) + 0.6 * part,
+            ];
+            for (found, expected) in pixel.into_iter().zip(expected) {
+                near(&format!("{renderer} {part}"), found, expected, 1e-5);
             }
         }
     }

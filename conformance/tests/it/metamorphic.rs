@@ -23,8 +23,15 @@ fn moved(plan: &Plan, grid: &Grid, moved: DMat3, length: f64) -> Plan {
         *half_height_mm *= length;
     }
     for light in &mut plan.lights {
-        if let PlanLight::Directional { to_light, .. } = light {
-            *to_light = direction(*to_light);
+        match light {
+            PlanLight::Directional { to_light, .. } => *to_light = direction(*to_light),
+            PlanLight::Point {
+                place_mm, reach_mm, ..
+            } => {
+                *place_mm = moved * *place_mm;
+                *reach_mm = (f64::from(*reach_mm) * length) as f32;
+            }
+            PlanLight::Head { .. } => {}
         }
     }
     for clip in &mut plan.ray_clips {

@@ -319,12 +319,22 @@ impl Random {
         }
     }
 
-    fn lights(&mut self) -> Vec<PlanLight> {
+    fn lights(&mut self, grid: &Grid) -> Vec<PlanLight> {
+        let (lo, hi) = grid.bounds_mm();
+        let size_mm = hi.distance(lo);
         let radiance = |random: &mut Random| std::array::from_fn(|_| random.unit() as f32);
         let mut lights = Vec::new();
         for _ in 0..self.below(4) {
             lights.push(if self.once_in(3) {
                 PlanLight::Head {
+                    radiance: radiance(self),
+                }
+            } else if self.once_in(3) {
+                // Outside the volume, and no brighter anywhere in it than its radiance.
+                let away_mm = self.between(0.7, 3.0) * size_mm;
+                PlanLight::Point {
+                    place_mm: grid.centre_mm() + away_mm * self.direction(),
+                    reach_mm: (away_mm - 0.5 * size_mm) as f32,
                     radiance: radiance(self),
                 }
             } else {
@@ -361,7 +371,15 @@ impl Random {
             Composite::EmissionAbsorption { .. } | Composite::FirstHit { .. }
         );
         let lit = surface && !self.once_in(3);
-        let shade = if lit {
+        let shade = if lit && self.once_in(4) {
+            Shade::Lit {
+                ambient: self.unit() as f32,
+                illuminate: Illuminate::Lambert {
+                    diffuse: self.unit() as f32,
+                },
+                keep_last_normal: false,
+            }
+        } else if lit {
             simple::blinn_phong(
                 self.unit() as f32,
                 self.unit() as f32,
@@ -371,7 +389,7 @@ impl Random {
         } else {
             Shade::Unlit
         };
-        let lights = if lit { self.lights() } else { Vec::new() };
+        let lights = if lit { self.lights(&grid) } else { Vec::new() };
         let (lo, hi) = grid.bounds_mm();
         let size_mm = hi.distance(lo);
         let mut ray_clips = Vec::new();

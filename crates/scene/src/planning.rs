@@ -152,8 +152,12 @@ pub(crate) fn place_depths(plan: &mut Plan) {
 /// What is wrong only in its combination.
 fn check_together(plan: &Plan, checker: &mut Checker) {
     if plan.layers.len() > 1 && !plan.technique().composite.mixes_layers() {
+        let key = match plan.technique().composite {
+            Composite::Debug(_) => "debug",
+            _ => "method",
+        };
         checker.add(
-            "method",
+            key,
             format!(
                 "{:?}, which does not mix several volumes",
                 plan.technique().composite.function().word

@@ -45,6 +45,7 @@
 
 mod backend;
 mod budget;
+mod clipped;
 mod confinement;
 #[cfg(feature = "gpu")]
 mod devices;

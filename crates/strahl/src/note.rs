@@ -21,6 +21,11 @@ pub enum Note {
     },
     /// A key of the scene that changes nothing of the picture.
     WithoutEffect(WithoutEffect),
+    /// The clips leave nothing of a volume.
+    ClippedAway {
+        /// Which one, such as `the object "liver"`.
+        object: String,
+    },
     /// The picture shows nothing but its background.
     Empty {
         /// Possible reasons; empty if none is known.
@@ -44,6 +49,12 @@ impl fmt::Display for Note {
                 write!(f, "{adapter} is a software renderer: it draws on the CPU")
             }
             Note::WithoutEffect(key) => key.fmt(f),
+            Note::ClippedAway { object } => {
+                write!(
+                    f,
+                    "the clips leave nothing of {object}: does a clip or mask lie elsewhere?"
+                )
+            }
             Note::Empty { why } => {
                 f.write_str("the picture shows nothing but its background")?;
                 match why.is_empty() {

@@ -2,6 +2,7 @@
 
 use crate::backend::{Backend, DrawRequest, DrawnBy, draw};
 use crate::budget::Budget;
+use crate::clipped::of_clips;
 use crate::confinement::Confinement;
 use crate::note::Note;
 use crate::picture::{CarriedFiles, MadeFrom, SOFTWARE};
@@ -343,6 +344,7 @@ impl<'a> Render<'a> {
         )?;
         let mut notes = self.notes(&scene, &plan, &headers, data.notes);
         notes.extend(drawn.notes);
+        notes.extend(of_clips(&session, &scene, &plan, &datasets, control)?);
         notes.extend(of_emptiness(&drawn.rendered, &plan, &headers));
         Ok(Picture {
             image: drawn.rendered.image,

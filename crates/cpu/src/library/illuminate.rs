@@ -1,7 +1,8 @@
 //! Slot illuminate: the light that a surface sends to the eye from one light.
 //!
 //! All vectors have length 1. Diffuse parts are multiplied by the surface colour, highlights are
-//! white; there is nothing where the light comes from behind, except for `tone`, whose tones have colors of their own.
+//! white; there is nothing where the light comes from behind, except for `tone`, whose tones have colors of their own, and
+//! for `blinn_phong_two_sided`.
 
 mod surface;
 
@@ -57,7 +58,10 @@ pub fn illuminate<S: Level>(
         let tint = tone::tint(&surface, share, cool, warm);
         return each!([0, 1, 2], |c| radiance[c] * (diffuse * color[c] + tint[c]));
     }
-    let highlight = lit.select(highlight, F32s::zero());
+    let highlight = match model {
+        Illuminate::BlinnPhongTwoSided { .. } => highlight,
+        _ => lit.select(highlight, F32s::zero()),
+    };
     each!([0, 1, 2], |c| {
         radiance[c] * (diffuse * color[c] + highlight)
     })

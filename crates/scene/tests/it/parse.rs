@@ -96,38 +96,73 @@ fn the_checked_in_schema_is_current() {
     );
 }
 
-/// `docs/scene.md` names every key that the schema has and every preset, and its examples are scenes.
-#[test]
-fn the_manual_is_complete() {
-    fn keys(value: &serde_json::Value, found: &mut Vec<String>) {
-        match value {
-            serde_json::Value::Object(object) => {
-                if let Some(serde_json::Value::Object(properties)) = object.get("properties") {
-                    found.extend(properties.keys().cloned());
-                }
-                object.values().for_each(|value| keys(value, found));
-            }
-            serde_json::Value::Array(items) => items.iter().for_each(|item| keys(item, found)),
-            _ => {}
+/// The keys and the names of values of one definition of the schema.
+fn words(value: &serde_json::Value, found: &mut Vec<String>) {
+    let serde_json::Value::Object(object) = value else {
+        if let serde_json::Value::Array(items) = value {
+            items.iter().for_each(|item| words(item, found));
         }
+        return;
+    };
+    if let Some(serde_json::Value::Object(properties)) = object.get("properties") {
+        found.extend(properties.keys().cloned());
     }
+    let names = object.get("enum").and_then(|names| names.as_array());
+    let names = names.into_iter().flatten().chain(object.get("const"));
+    found.extend(names.filter_map(|name| name.as_str().map(str::to_owned)));
+    let parts = object.iter().filter(|(key, _)| *key != "$defs");
+    parts.for_each(|(_, value)| words(value, found));
+}
+
+fn manual() -> String {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/scene.md");
-    let manual = std::fs::read_to_string(path).unwrap();
-    let mut names = Vec::new();
-    keys(&serde_json::from_str(&schema()).unwrap(), &mut names);
-    assert!(names.len() > 40, "{names:?}");
-    names.extend(presets().iter().map(|preset| preset.name.to_owned()));
-    let missing: Vec<_> = names
+    std::fs::read_to_string(path).unwrap()
+}
+
+/// A key that has the name of another one would be found anywhere: all words of a definition must stand in one section.
+#[test]
+fn a_section_of_the_manual_has_every_key_and_name_of_each_definition() {
+    let manual = manual();
+    let sections: Vec<_> = manual.split("\n#").collect();
+    let has = |section: &str, word: &String| {
+        section.contains(&format!("`{word}`")) || section.contains(&format!("\"{word}\""))
+    };
+    let schema: serde_json::Value = serde_json::from_str(&schema()).unwrap();
+    let definitions = schema["$defs"].as_object().unwrap();
+    let (mut number, whole) = (0, ("the scene", &schema));
+    for (name, definition) in definitions
         .iter()
-        .filter(|name| {
-            let (code, quoted) = (format!("`{name}`"), format!("\"{name}\""));
-            !manual.contains(&code) && !manual.contains(&quoted)
-        })
-        .collect();
-    assert!(
-        missing.is_empty(),
-        "docs/scene.md does not name {missing:?}"
-    );
+        .map(|(n, d)| (n.as_str(), d))
+        .chain([whole])
+    {
+        let mut own = Vec::new();
+        words(definition, &mut own);
+        number += own.len();
+        let missing = |section: &&str| own.iter().filter(|word| !has(section, word)).count();
+        let nearest = sections
+            .iter()
+            .min_by_key(|section| missing(section))
+            .unwrap();
+        let left_out: Vec<_> = own.iter().filter(|word| !has(nearest, word)).collect();
+        let heading = nearest.lines().next().unwrap_or_default();
+        assert!(
+            left_out.is_empty(),
+            "docs/scene.md does not name {left_out:?} of {name} in {heading:?}"
+        );
+    }
+    assert!(number > 200, "{number}");
+    for preset in presets() {
+        let presets = sections
+            .iter()
+            .find(|s| s.starts_with("# Presets"))
+            .unwrap();
+        assert!(has(presets, &preset.name.to_owned()), "{}", preset.name);
+    }
+}
+
+#[test]
+fn the_examples_of_the_manual_are_scenes() {
+    let manual = manual();
     let examples: Vec<_> = manual.split("```json").skip(1).collect();
     assert!(examples.len() >= 3);
     for example in examples {

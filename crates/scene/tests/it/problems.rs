@@ -1,8 +1,8 @@
 use crate::{ct_head, engine, header_at, header_of};
 use glam::DVec3;
 use strahl_scene::{
-    Camera, Color, LabelHeader, LabelName, MaskClip, Scene, TransferFunction, TransferPoint,
-    VolumeSource, resolve,
+    Camera, Color, Headers, LabelHeader, LabelName, MaskClip, Method, Scene, TransferFunction,
+    TransferPoint, VolumeSource, resolve, resolve_with,
 };
 use strahl_volume::{Grid, Label, LabelVolume, Metadata, Rescale, Samples, Volume};
 
@@ -266,5 +266,53 @@ fn rules_of_sampling_say_what_they_need() {
     for (scene, part) in cases {
         let report = report(&parsed(scene));
         assert!(report.contains(part), "{scene}: {report}");
+    }
+}
+
+/// Methods that keep one number of a ray, or find one place, draw one volume: of several, the message names the key,
+/// its value, and the methods that mix.
+#[test]
+fn several_volumes_need_a_method_that_mixes() {
+    let headers = Headers {
+        volumes: vec![engine(), engine()],
+        ..Headers::from(engine())
+    };
+    let problems = |text: &str| {
+        let objects = r#""objects": [{ "name": "b", "volume": { "path": "b.nrrd" } }]"#;
+        let scene = Scene::parse("scene", &format!("{{ {text}, {objects} }}")).unwrap();
+        match resolve_with(&scene, &headers) {
+            Ok(_) => String::new(),
+            Err(problems) => problems.to_string(),
+        }
+    };
+    let mixing = ["emission-absorption", "back-to-front"];
+    let mut refused = 0;
+    for method in Method::ALL {
+        let name = method.name();
+        let found = problems(&format!(r#""method": "{name}""#));
+        if mixing.contains(&name) {
+            assert_eq!(found, "");
+            continue;
+        }
+        refused += 1;
+        let expected = format!("method is {name:?}, which does not mix several volumes");
+        assert!(found.contains(&expected), "{found}");
+        assert!(mixing.iter().all(|rule| found.contains(rule)), "{found}");
+        assert!(found.contains("or one volume"), "{found}");
+    }
+    assert!(refused >= 8);
+    for view in ["entry", "depth", "sample-count", "gradient-magnitude"] {
+        let found = problems(&format!(r#""debug": "{view}""#));
+        let expected = format!("debug is {view:?}, which does not mix several volumes");
+        assert!(found.contains(&expected), "{found}");
+    }
+    // Nor do rules of sampling with a memory of one volume.
+    for rule in ["refine", "split", "integrated", "adaptive", "by-opacity"] {
+        let found = problems(&format!(r#""sampling": {{ "rule": "{rule}" }}"#));
+        assert!(
+            found.contains(&format!("sampling.rule is {rule:?} with several volumes")),
+            "{found}"
+        );
+        assert!(found.contains("\"regular\", or one volume"), "{found}");
     }
 }

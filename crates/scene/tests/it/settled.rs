@@ -1,8 +1,13 @@
 use crate::{ct_head, engine, header_at};
 use glam::DVec3;
-use strahl_scene::plan::{ClipPlane, Composite, Illuminate, Jitter, Plan, PlanLight, Shade};
-use strahl_scene::{Scene, plan, presets, resolve, settled};
-use strahl_volume::{Modality, VolumeHeader};
+use strahl_scene::plan::{
+    Classify, ClipPlane, Composite, DebugView, GradientMethod, Illuminate, Jitter, Plan, PlanLight,
+    Reconstruct, Shade,
+};
+use strahl_scene::{
+    Headers, LabelHeader, Scene, plan, presets, resolve, resolve_with, settled, why_nothing_is_seen,
+};
+use strahl_volume::{Label, Modality, VolumeHeader};
 
 fn plan(text: &str, header: &VolumeHeader) -> Plan {
     resolve(&Scene::parse("scene.json", text).unwrap(), header, None).unwrap()
@@ -318,4 +323,79 @@ fn clips_keep_what_they_say() {
     );
     assert!(kept(&turned, DVec3::new(13.9, 0.0, -740.0)));
     assert!(!kept(&turned, DVec3::new(9.0, 9.0, -740.0)));
+}
+
+/// Saved as a scene and edited, the text of a preset draws what its name draws: every key of it arrives. No two presets
+/// are the same.
+#[test]
+fn a_preset_draws_as_its_text_does() {
+    let mut header = ct_head();
+    header.grid = engine().grid;
+    let labels = LabelHeader {
+        grid: header.grid,
+        labels: vec![
+            Label::new(1, "skin"),
+            Label::new(2, "femur_left"),
+            Label::new(3, "aorta"),
+        ],
+        ids: vec![0, 1, 2, 3],
+    };
+    let mut plans = Vec::new();
+    for preset in presets() {
+        // Where labels are, segments are drawn, in their own ways.
+        let has_segments = preset.scene().segments.is_some();
+        let plan = |scene: &Scene| {
+            let headers = Headers {
+                labels: has_segments.then(|| labels.clone()),
+                ..Headers::from(header.clone())
+            };
+            let plan = resolve_with(scene, &headers);
+            let plan = plan.unwrap_or_else(|problems| panic!("{}: {problems}", preset.name));
+            let why = why_nothing_is_seen(&plan, &headers);
+            assert!(why.is_empty(), "{}: {why:?}", preset.name);
+            format!("{plan:?}")
+        };
+        let named = Scene {
+            preset: Some(preset.name.to_owned()),
+            ..Scene::default()
+        };
+        let written = Scene {
+            preset: Some("mip".to_owned()),
+            ..Scene::parse(preset.name, preset.text()).unwrap()
+        };
+        let by_name = plan(&named);
+        assert!(by_name == plan(&written), "{}", preset.name);
+        plans.push(by_name);
+    }
+    plans.sort();
+    plans.dedup();
+    assert_eq!(plans.len(), presets().len());
+}
+
+#[test]
+fn qualities_choose_interpolation_gradient_and_light() {
+    let of = |quality: &str| plan(&format!(r#"{{ "quality": "{quality}" }}"#), &ct_head());
+    let entry = of("null");
+    let shows_entry = Composite::Debug(DebugView::Entry);
+    assert_eq!(entry.technique().composite, shows_entry);
+    let least = of("minimum");
+    assert_eq!(least.field().reconstruct, Reconstruct::Nearest);
+    assert_eq!(least.technique().shade, Shade::Unlit);
+    assert!(matches!(
+        least.technique().classify,
+        Classify::Identity { .. }
+    ));
+    let medium = of("medium");
+    assert_eq!(medium.field().reconstruct, Reconstruct::Trilinear);
+    assert_eq!(medium.field().gradient, GradientMethod::Central);
+    let most = of("maximum");
+    assert_eq!(most.field().reconstruct, Reconstruct::BSplineInterpolating);
+    assert_eq!(most.field().gradient, GradientMethod::Central9);
+    for (plan, is_best) in [(&medium, false), (&most, true)] {
+        let Shade::Lit { illuminate, .. } = plan.technique().shade else {
+            panic!("unlit")
+        };
+        let is_mirror = matches!(illuminate, Illuminate::CookTorrance { .. });
+        assert_eq!(is_mirror, is_best, "{illuminate:?}");
+    }
 }

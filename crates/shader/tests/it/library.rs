@@ -1,10 +1,13 @@
 //! Every function of the library, alone and linked.
 
 use crate::{loop_over, one};
+use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::Arc;
 use strahl_shader::registry::Function;
-use strahl_shader::{Fold, Linker, Module, SLOTS, Selection, Texels, built_in, library, slot};
+use strahl_shader::{
+    Fold, Linker, Module, Program, SLOTS, Selection, Texels, built_in, library, slot,
+};
 
 /// One function in every slot, so that everything can be needed.
 fn full() -> Selection {
@@ -90,6 +93,7 @@ fn every_text_of_the_folder_is_in_the_registry() {
 #[test]
 fn every_pair_of_functions_links_to_a_valid_program() {
     let mut linker = Linker::new();
+    let (mut pairs, mut linked) = (0, BTreeSet::new());
     let skeletons = [
         one(Texels::Float),
         one(Texels::Unsigned),
@@ -114,24 +118,63 @@ fn every_pair_of_functions_links_to_a_valid_program() {
                 let needs_one = [a, b].iter().any(|module| {
                     module.slot().name == "composite" && !module.needs().contains(&"look")
                 });
-                match linker.link(&skeleton, &with(&modules)) {
-                    Ok(program) => {
+                let what = format!("{} and {}", a.file(), b.file());
+                let refusal = match (circle, needs_one && skeleton.objects > 1) {
+                    (true, _) => Some("in a circle"),
+                    (_, true) => Some("look"),
+                    _ => None,
+                };
+                match (linker.link(&skeleton, &with(&modules)), refusal) {
+                    (Ok(program), None) => {
+                        pairs += 1;
                         assert_eq!(
                             program.default_parameters().len(),
                             program.parameter_bytes() as usize
                         );
+                        if a == b {
+                            is_valid(&what, program.wgsl());
+                        }
+                        for module in &modules {
+                            if !linked.contains(module.file()) && has(&program, module) {
+                                linked.insert(module.file().to_owned());
+                            }
+                        }
                     }
-                    Err(error) if circle => {
-                        assert!(error.to_string().contains("in a circle"), "{error}");
+                    (Err(error), Some(why)) => {
+                        assert!(error.to_string().contains(why), "{what}: {error}");
                     }
-                    Err(error) if needs_one && skeleton.objects > 1 => {
-                        assert!(error.to_string().contains("look"), "{error}");
-                    }
-                    Err(error) => panic!("{} and {}: {error}", a.file(), b.file()),
+                    (Ok(_), Some(why)) => panic!("{what}: not refused ({why})"),
+                    (Err(error), None) => panic!("{what}: {error}"),
                 }
             }
         }
     }
+    println!("{pairs} programs");
+    // A program that leaves a function out says nothing of it.
+    let left_out: Vec<_> = library()
+        .iter()
+        .filter(|module| !linked.contains(module.file()))
+        .map(|module| module.file())
+        .collect();
+    assert!(left_out.is_empty(), "in no program: {left_out:?}");
+}
+
+/// Read and checked by naga, apart from the linker, which does so for every program.
+fn is_valid(what: &str, wgsl: &str) {
+    let module = naga::front::wgsl::parse_str(wgsl)
+        .unwrap_or_else(|error| panic!("{what}: {}", error.emit_to_string(wgsl)));
+    let flags = naga::valid::ValidationFlags::all();
+    let mut validator = naga::valid::Validator::new(flags, naga::valid::Capabilities::empty());
+    let valid = validator.validate(&module);
+    assert!(valid.is_ok(), "{what}: {valid:?}");
+}
+
+/// Whether a program has text of a module.
+fn has(program: &Program, module: &Module) -> bool {
+    let starts = program.wgsl().match_indices('\n').map(|(at, _)| at + 1);
+    starts
+        .filter_map(|at| program.origin(at))
+        .any(|origin| origin.file == module.file())
 }
 
 #[test]

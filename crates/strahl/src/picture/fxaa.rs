@@ -155,10 +155,30 @@ mod tests {
             let flat = picture(width, height, |_, _| [0.3, 0.7, 0.1, 0.5]);
             assert_eq!(smoothed(&flat, width), flat);
         }
-        // A soft ramp has no edge; nor has a straight one along the pixels a jagged part.
+        // A soft ramp has no edge.
         let ramp = picture(64, 8, |x, _| [x as f32 / 64.0; 4]);
         assert_eq!(smoothed(&ramp, 64), ramp);
         assert_eq!(smoothed(&[], 0), [[0.0; 4]; 0]);
+    }
+
+    /// T. Lottes 2009: of a straight edge along the pixels, each side takes 3/4 of the square of a smooth step of the share
+    /// by which its neighbors are off, 1/3.
+    #[test]
+    fn straight_edges_are_blurred_by_a_twentieth() {
+        let blur = 0.75 * (3.0f32 / 9.0 - 2.0 / 27.0).powi(2);
+        for along_y in [true, false] {
+            let across = |x: usize, y: usize| if along_y { x } else { y };
+            let expected = picture(32, 32, |x, y| match across(x, y) {
+                0..12 => WHITE,
+                12 => [1.0 - blur, 1.0 - blur, 1.0 - blur, 1.0],
+                13 => [blur, blur, blur, 1.0],
+                _ => BLACK,
+            });
+            let hard = picture(32, 32, |x, y| if across(x, y) < 13 { WHITE } else { BLACK });
+            for (i, (found, expected)) in smoothed(&hard, 32).iter().zip(expected).enumerate() {
+                assert!((found[0] - expected[0]).abs() < 1e-6, "{i}: {found:?}");
+            }
+        }
     }
 
     #[test]

@@ -9,7 +9,7 @@ pub fn examples() -> PathBuf {
 }
 
 /// An example, small and over few voxels.
-fn example(name: &str) -> Scene {
+pub fn example(name: &str) -> Scene {
     let path = examples().join(format!("{name}.json"));
     let mut scene = SceneFile::open(&path).unwrap().unwrap().scene;
     scene.size = Some([96, 72]);

@@ -4,7 +4,7 @@ use super::*;
 use std::ops::ControlFlow;
 use std::sync::{Arc, Mutex};
 use strahl::scene::{PlaneClip, TransferPoint};
-use strahl::volume::{Metadata, Rescale, Samples, Volume};
+use strahl::volume::{Grid, Metadata, Rescale, Samples, Volume};
 use strahl::{
     Background, Clip, Color, Control, Error, Recipe, Render, Scene, Session, TransferFunction, Work,
 };
@@ -93,6 +93,67 @@ fn what_changes_nothing_is_noted() {
          depth changes nothing: mida finds no surface, and there is no mesh"
     );
     assert_eq!(notes(r#"{ "method": "first-hit", "threshold": 0.3 }"#), "");
+}
+
+/// The picture shows the other volume, so that nobody would look for what is missing.
+#[test]
+fn volumes_of_which_clips_leave_nothing_are_noted() {
+    // A mask of the right half, where the moved object does not come.
+    let grid = Grid::centred([32; 3], strahl::glam::DVec3::ONE).unwrap();
+    let half: Vec<u8> = (0..32 * 32 * 32).map(|i| u8::from(i % 32 >= 16)).collect();
+    let of = |samples| Volume::new(grid, samples, Rescale::IDENTITY, Metadata::default()).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    save(&of(Samples::U8(half)), folder.path(), "half.nrrd");
+    save(
+        &of(Samples::U8(vec![200; 32 * 32 * 32])),
+        folder.path(),
+        "full.nrrd",
+    );
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let notes = |move_mm: f64, clip: &str| {
+        let scene = Scene::parse(
+            "scene",
+            &format!(
+                r##"{{ "volume": {{ "path": {:?} }}, "size": [24, 24], "camera": {{ "view": "front" }},
+                "objects": [{{ "name": "b", "like": "volume", "transform": {{ "translate_mm": [{move_mm}, 0, 0] }},
+                    "transfer_function": {{ "points": [[0, 0, "#000"], [200, 0.5, "#f00"]] }} }}],
+                "transfer_function": {{ "points": [[0, 0, "#000"], [200, 0.5, "#fff"]] }},
+                "clips": [{{ {clip} }}] }}"##,
+                path("full.nrrd")
+            ),
+        );
+        let picture = Render::scene(scene.unwrap()).picture();
+        let notes = picture.unwrap_or_else(|error| panic!("{error}")).notes;
+        notes.iter().map(ToString::to_string).collect::<Vec<_>>()
+    };
+    let mask = format!(
+        r#""mask": {{ "path": {:?}, "objects": ["b"] }}"#,
+        path("half.nrrd")
+    );
+    let found = notes(-24.0, &mask);
+    assert!(
+        found.len() == 1 && found[0].contains("leave nothing of the object \"b\""),
+        "{found:?}"
+    );
+    // Part of it, or all, is left.
+    assert_eq!(notes(-12.0, &mask), [""; 0]);
+    assert_eq!(notes(4.0, &mask), [""; 0]);
+    for (clip, expected) in [
+        (
+            r#""plane": { "normal": [1, 0, 0], "point": [40, 0, 0], "objects": ["b"] }"#,
+            "the object \"b\"",
+        ),
+        (
+            r#""box": { "min": [-60, -60, -60], "max": [17, 60, 60], "keep": "outside", "objects": ["volume"] }"#,
+            "the scene's own volume",
+        ),
+    ] {
+        let found = notes(20.0, clip);
+        assert!(
+            found.len() == 1 && found[0].contains(expected),
+            "{clip}: {found:?}"
+        );
+    }
 }
 
 #[test]

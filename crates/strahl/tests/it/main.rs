@@ -2,6 +2,7 @@
 
 mod examples;
 mod graph;
+mod graph_formulas;
 mod library;
 mod made_again;
 mod session;
