@@ -95,6 +95,12 @@ fn graphs_are_shown_checked_and_printed() {
         drawing.starts_with("digraph") && drawing.contains("WGSL"),
         "{drawing}"
     );
+    // The variables of the loop have circles; what they get for the next turn goes against the flow.
+    let back = r#""seen":"out color" -> "samples":"in color.next" [constraint=false"#;
+    assert!(
+        drawing.contains("○\\ color.next") && drawing.contains(back),
+        "{drawing}"
+    );
     let patterns = run_well(at, &["graph", "patterns", "silhouette"]);
     assert!(
         patterns.contains("normal: vec3f (direction.world)"),
