@@ -187,9 +187,7 @@ impl<'p, S: Level> Object<'p, S> {
     /// opacity as it is.
     pub fn stored_for(&self, composite: Composite) -> Option<&Stored<'p>> {
         let fits = match composite {
-            Composite::EmissionAbsorption { .. } => {
-                self.classify == Classify::Table && self.shading.is_of_single_samples()
-            }
+            Composite::EmissionAbsorption { .. } => self.is_of_single_samples(),
             Composite::FirstHit { .. } | Composite::Mida { .. } => true,
             _ => false,
         };
@@ -197,6 +195,16 @@ impl<'p, S: Level> Object<'p, S> {
         self.stored
             .as_ref()
             .filter(|_| fits && skips && self.clips.is_empty())
+    }
+
+    /// Whether samples have the opacity that a table gives them, and need nothing of earlier ones.
+    fn is_of_single_samples(&self) -> bool {
+        self.classify == Classify::Table && self.shading.is_of_single_samples()
+    }
+
+    /// Whether such samples may be lit later than their opacities add up.
+    pub fn is_lit_apart(&self) -> bool {
+        self.is_of_single_samples() && !self.shading.is_unlit()
     }
 
     /// The value of a stored number.

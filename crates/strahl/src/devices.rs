@@ -14,9 +14,11 @@ pub struct Devices {
     hardware: OnceLock<Option<String>>,
 }
 
-/// Renderers by the adapter that was asked for.
+/// By the adapter that was asked for.
 struct Open {
-    renderers: BTreeMap<Option<String>, Renderer>,
+    devices: BTreeMap<Option<String>, Device>,
+    /// Renderers that nobody draws with at the moment.
+    idle: Vec<(Option<String>, Renderer)>,
     /// What somebody else opened.
     given: Option<Device>,
     opened: u64,
@@ -28,7 +30,8 @@ impl Devices {
     pub fn new(store: Arc<Store>) -> Devices {
         Devices {
             open: Mutex::new(Open {
-                renderers: BTreeMap::new(),
+                devices: BTreeMap::new(),
+                idle: Vec::new(),
                 given: None,
                 opened: 0,
                 store,
@@ -41,7 +44,7 @@ impl Devices {
     pub fn give(&mut self, device: Device) {
         let open = self.open.get_mut().unwrap_or_else(PoisonError::into_inner);
         open.given = Some(device);
-        open.renderers.remove(&None);
+        open.forget(&None);
     }
 
     /// How many were opened so far.
@@ -52,8 +55,9 @@ impl Devices {
             .opened
     }
 
-    /// What `draw` makes with the renderer on `adapter`, drawing from `data`. A device may be lost at any time: the driver
-    /// was updated or reset. It is opened again once.
+    /// What `draw` makes with a renderer on `adapter` that draws from `data` and that nobody else uses. (It does not wait
+    /// for one: a thread of a pool that waits may have to draw a second picture meanwhile.) A device may be lost at any
+    /// time: the driver was updated or reset. It is opened again once.
     pub fn draw<T>(
         &self,
         adapter: Option<&str>,
@@ -61,15 +65,40 @@ impl Devices {
         control: &Control,
         draw: impl Fn(&mut Renderer) -> Result<T, Error>,
     ) -> Result<T, Error> {
-        let mut open = locked(&self.open, control)?;
         let asked = adapter.map(str::to_owned);
-        match draw(open.renderer(&asked, data)?) {
-            Err(Error::Gpu(strahl_gpu::Error::Lost(_))) if open.can_open_again(&asked) => {
-                open.renderers.remove(&asked);
-                draw(open.renderer(&asked, data)?)
+        match self.draw_once(&asked, data, control, &draw) {
+            Err(Error::Gpu(strahl_gpu::Error::Lost(_))) if self.opens_again(&asked, control)? => {
+                self.draw_once(&asked, data, control, &draw)
             }
             done => done,
         }
+    }
+
+    fn draw_once<T>(
+        &self,
+        asked: &Option<String>,
+        data: &Datasets,
+        control: &Control,
+        draw: impl Fn(&mut Renderer) -> Result<T, Error>,
+    ) -> Result<T, Error> {
+        let mut renderer = locked(&self.open, control)?.take(asked)?;
+        renderer.set_data(data);
+        let done = draw(&mut renderer);
+        if !matches!(done, Err(Error::Gpu(strahl_gpu::Error::Lost(_)))) {
+            let mut open = self.open.lock().unwrap_or_else(PoisonError::into_inner);
+            open.idle.push((asked.clone(), renderer));
+        }
+        done
+    }
+
+    /// Forgets a device that was lost; says whether it may be opened again.
+    fn opens_again(&self, asked: &Option<String>, control: &Control) -> Result<bool, Error> {
+        let mut open = locked(&self.open, control)?;
+        let may = asked.is_some() || open.given.is_none();
+        if may {
+            open.forget(asked);
+        }
+        Ok(may)
     }
 
     /// The best adapter that is no program on the CPU, if there is one: ours is faster.
@@ -83,32 +112,31 @@ impl Devices {
 }
 
 impl Open {
-    fn renderer(
-        &mut self,
-        asked: &Option<String>,
-        data: &Datasets,
-    ) -> Result<&mut Renderer, Error> {
-        if !self.renderers.contains_key(asked) {
-            let device = match (&self.given, asked) {
-                (Some(given), None) => given.clone(),
-                _ => {
-                    self.opened += 1;
-                    Device::open(asked.as_deref())?
-                }
-            };
-            let renderer = Renderer::with_store(&device, Datasets::default(), self.store.clone());
-            self.renderers.insert(asked.clone(), renderer);
+    /// A renderer on the device that was asked for, which is opened if necessary.
+    fn take(&mut self, asked: &Option<String>) -> Result<Renderer, Error> {
+        if let Some(place) = self.idle.iter().rposition(|(of, _)| of == asked) {
+            return Ok(self.idle.swap_remove(place).1);
         }
-        match self.renderers.get_mut(asked) {
-            Some(renderer) => {
-                renderer.set_data(data);
-                Ok(renderer)
+        let device = match (&self.given, self.devices.get(asked), asked) {
+            (Some(given), _, None) => given.clone(),
+            (_, Some(device), _) => device.clone(),
+            _ => {
+                self.opened += 1;
+                let device = Device::open(asked.as_deref())?;
+                self.devices.insert(asked.clone(), device.clone());
+                device
             }
-            None => unreachable!("it has just been put there"),
-        }
+        };
+        Ok(Renderer::with_store(
+            &device,
+            Datasets::default(),
+            self.store.clone(),
+        ))
     }
 
-    fn can_open_again(&self, asked: &Option<String>) -> bool {
-        asked.is_some() || self.given.is_none()
+    /// Drops a device and the renderers on it.
+    fn forget(&mut self, asked: &Option<String>) {
+        self.devices.remove(asked);
+        self.idle.retain(|(of, _)| of != asked);
     }
 }

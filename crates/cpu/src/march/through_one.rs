@@ -1,6 +1,7 @@
 //! The ray loop through one volume with any functions.
 
 use super::packet::Packet;
+use super::unlit_samples::UnlitSamples;
 use crate::lanes::{F32s, Mask};
 use crate::levels::{Level, vectorized};
 use crate::library::classify::Surface;
@@ -49,12 +50,16 @@ impl<S: Level> Packet<'_, S> {
         match self.scenery.composite {
             Composite::EmissionAbsorption {
                 stop_at_transmittance,
-            } => self.through_one_by(
-                object,
-                EmissionAbsorption {
+            } => {
+                let rule = EmissionAbsorption {
                     stop_at_transmittance,
-                },
-            ),
+                };
+                if S::HAS_LOOPS_PER_TYPE && object.is_lit_apart() {
+                    self.through_one_lit(object, rule);
+                } else {
+                    self.through_one_by(object, rule);
+                }
+            }
             Composite::BackToFront => self.through_one_backwards(object),
             Composite::Mida {
                 low,
@@ -78,12 +83,45 @@ impl<S: Level> Packet<'_, S> {
     fn through_one_by(&mut self, object: &Object<S>, rule: impl Rule) {
         vectorized::<S, _>(
             #[inline(always)]
-            || self.through_one_here(object, rule),
+            || {
+                self.through_one_here(
+                    object,
+                    rule,
+                    #[inline(always)]
+                    |_, state, sample| rule.add(state, sample),
+                );
+            },
         );
     }
 
+    /// The same picture: opacities add up at once, and lit samples are collected until every lane has one.
+    #[inline(never)]
+    fn through_one_lit(&mut self, object: &Object<S>, rule: EmissionAbsorption) {
+        vectorized::<S, _>(
+            #[inline(always)]
+            || {
+                let mut waiting = UnlitSamples::new(self.to_eye, self.state.colour);
+                self.through_one_here(
+                    object,
+                    rule,
+                    #[inline(always)]
+                    |packet, state, sample| {
+                        packet.collect(object, &mut state.alpha, &mut waiting, sample)
+                    },
+                );
+                self.light_all(object, &mut waiting);
+            },
+        );
+    }
+
+    /// `add` adds a sample to the state of the rays and says for which of them it showed something.
     #[inline(always)]
-    fn through_one_here(&mut self, object: &Object<S>, rule: impl Rule) {
+    fn through_one_here(
+        &mut self,
+        object: &Object<S>,
+        rule: impl Rule,
+        mut add: impl FnMut(&Self, &mut State<S>, &Sample<S>) -> Mask<S>,
+    ) {
         let (rays, line) = (self.rays, &self.rays.lines[0]);
         let (zero, one) = (F32s::zero(), F32s::splat(1.0));
         let to_eye = self.to_eye;
@@ -136,7 +174,7 @@ impl<S: Level> Packet<'_, S> {
                     // What is not finite is no value: no rule counts it.
                     sampled: sampled & value.is_finite(),
                 };
-                visible += rule.add(&mut state, &sample).select(one, zero);
+                visible += add(self, &mut state, &sample).select(one, zero);
             }
             k = moving.select(k + stride, k);
             live = live & k.lt(end) & !rule.done(&state);

@@ -133,33 +133,34 @@ impl<S: Level> Packet<'_, S> {
         vectorized::<S, _>(
             #[inline(always)]
             || {
+                let to_eye = self.to_eye;
+                let crossing = Crossing {
+                    scenery: self.scenery,
+                    object,
+                    packet: self.rays,
+                    to_eye: &to_eye,
+                };
                 let mut waiting = UnlitSamples::new(self.to_eye, self.state.colour);
                 self.walk(
                     object,
                     voxels,
                     #[inline(always)]
-                    |packet, position, _, value, sampled, stride| {
-                        let opacity = object.table.opacity_at(value);
-                        let visible = sampled & F32s::zero().lt(opacity);
-                        let opacity = object.of_stride(object.of_step(opacity), stride);
-                        let share = (F32s::splat(1.0) - packet.state.alpha) * opacity;
-                        let share = visible.select(share, F32s::zero());
-                        packet.state.alpha += share;
-                        waiting.push(position, value, share, visible);
-                        if waiting.number >= LANES {
-                            packet.light(object, &mut waiting);
-                        }
+                    |packet, position, k, value, sampled, stride| {
+                        let sample = composite::Sample {
+                            crossing,
+                            k,
+                            stride,
+                            position,
+                            value,
+                            sampled,
+                        };
+                        let mut alpha = packet.state.alpha;
+                        let visible = packet.collect(object, &mut alpha, &mut waiting, &sample);
+                        packet.state.alpha = alpha;
                         visible
                     },
                 );
-                if waiting.number > 0 {
-                    self.light(object, &mut waiting);
-                }
-                let channel = inlined(
-                    #[inline(always)]
-                    |c: usize| F32s::from_array(lanes(|lane| waiting.sums[lane][c])),
-                );
-                self.state.colour = each!([0, 1, 2], |c| channel(c));
+                self.light_all(object, &mut waiting);
             },
         );
     }
@@ -235,6 +236,42 @@ impl<S: Level> Packet<'_, S> {
         if let Some(strides) = strides {
             self.last_alpha = strides.last_alpha;
         }
+    }
+
+    /// Adds the opacity of a sample to `alpha`; what is visible of it waits for light.
+    #[inline(always)]
+    pub(super) fn collect(
+        &self,
+        object: &Object<S>,
+        alpha: &mut F32s<S>,
+        waiting: &mut UnlitSamples,
+        sample: &composite::Sample<S>,
+    ) -> Mask<S> {
+        let opacity = object.table.opacity_at(sample.value);
+        let visible = sample.sampled & F32s::zero().lt(opacity);
+        let opacity = object.of_stride(object.of_step(opacity), sample.stride);
+        let share = (F32s::splat(1.0) - *alpha) * opacity;
+        let share = visible.select(share, F32s::zero());
+        *alpha += share;
+        waiting.push(sample.position, sample.value, share, visible);
+        if waiting.number >= LANES {
+            self.light(object, waiting);
+        }
+        visible
+    }
+
+    /// Lights all samples that wait; the rays have the colours that they add up to.
+    #[inline(always)]
+    pub(super) fn light_all(&mut self, object: &Object<S>, waiting: &mut UnlitSamples) {
+        if waiting.number > 0 {
+            self.light(object, waiting);
+        }
+        let sums = &waiting.sums;
+        let channel = inlined(
+            #[inline(always)]
+            |c: usize| F32s::from_array(lanes(|lane| sums[lane][c])),
+        );
+        self.state.colour = each!([0, 1, 2], |c| channel(c));
     }
 
     /// Lights as many samples as there are lanes, or all that wait, and adds them to their rays.

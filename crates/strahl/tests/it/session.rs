@@ -138,7 +138,14 @@ fn renderers_change_without_a_second_reading() {
     let gpu = || on(Backend::Gpu { adapter: None });
     match gpu() {
         Ok(_) => {
-            gpu().unwrap();
+            let alone = gpu().unwrap().image;
+            // Pictures at the same time do not wait for one another, and share the device.
+            std::thread::scope(|scope| {
+                let both = [(); 2].map(|()| scope.spawn(|| gpu().unwrap().image));
+                for drawn in both {
+                    assert_eq!(drawn.join().unwrap(), alone);
+                }
+            });
             assert_eq!(session.devices_opened(), 1);
         }
         Err(Error::Gpu(strahl::gpu::Error::NoAdapter)) => {
