@@ -1,7 +1,9 @@
 //! What was typed, checked: each function turns a group of [`crate::flags`] into values that the
 //! library takes.
 
-use crate::flags::{BackendName, Component, DrawFlags, LimitFlags, PictureFlags, ReadFlags};
+use crate::flags::{
+    BackendName, Component, DrawFlags, LimitFlags, MemoryFlags, PictureFlags, ReadFlags,
+};
 use anyhow::{Context, Result, anyhow, bail};
 use std::str::FromStr;
 use strahl::scene::plan::MOST_EDGE_PIXELS;
@@ -410,6 +412,20 @@ fn numbers<T: FromStr, const N: usize>(flag: &str, text: &str, wanted: &str) -> 
     }
 }
 
+/// How much memory reading may take: what `--max-memory` says, or what the system has.
+pub fn memory(flags: &MemoryFlags) -> Result<u64> {
+    match &flags.max_memory {
+        Some(text) => memory_bytes(text),
+        None => Ok(Budget::of_machine().memory_bytes),
+    }
+}
+
+fn memory_bytes(text: &str) -> Result<u64> {
+    bytes(text).with_context(|| {
+        format!("--max-memory is {text}; it has to be a number of bytes, such as 500M or 8G")
+    })
+}
+
 /// How much a picture may take.
 pub fn budget(flags: &LimitFlags) -> Result<Budget> {
     if flags.force {
@@ -417,9 +433,7 @@ pub fn budget(flags: &LimitFlags) -> Result<Budget> {
     }
     let mut budget = Budget::of_machine();
     if let Some(text) = &flags.max_memory {
-        budget.memory_bytes = bytes(text).with_context(|| {
-            format!("--max-memory is {text}; it has to be a number of bytes, such as 500M or 8G")
-        })?;
+        budget.memory_bytes = memory_bytes(text)?;
     }
     if let Some(seconds) = flags.max_time {
         if !(seconds > 0.0 && seconds.is_finite()) {

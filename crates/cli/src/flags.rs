@@ -17,7 +17,7 @@ pub use draw::{
 #[cfg(feature = "graph")]
 pub use graph::{GraphCommand, GraphDotFlags, GraphInputFlags, GraphPatternsFlags, GraphShowFlags};
 pub use labels::LabelFlags;
-pub use read::{Component, ReadFlags};
+pub use read::{Component, MemoryFlags, ReadFlags};
 #[cfg(feature = "graph")]
 pub use shader::{
     ShaderCheckFlags, ShaderCommand, ShaderCostFlags, ShaderListFlags, ShaderSceneFlags,
@@ -136,6 +136,9 @@ pub struct InfoFlags {
 
     #[command(flatten)]
     pub read: ReadFlags,
+
+    #[command(flatten)]
+    pub memory: MemoryFlags,
 }
 
 const INFO_EXAMPLES: &str = "Examples:
@@ -170,6 +173,9 @@ pub struct ConvertFlags {
 
     #[command(flatten)]
     pub read: ReadFlags,
+
+    #[command(flatten)]
+    pub memory: MemoryFlags,
 }
 
 const CONVERT_EXAMPLES: &str = "Examples:

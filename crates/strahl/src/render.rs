@@ -462,7 +462,9 @@ impl<'a> Render<'a> {
     fn data(&self, session: &Session) -> Result<SceneData, Error> {
         let (carried, within) = (&self.carried, self.confinement.as_ref());
         let own = self.own()?;
-        SceneData::load(session, &self.scene, own, carried, within, &self.control)
+        let budget = self.budget.unwrap_or_default();
+        let control = self.control.with_memory(budget.memory_bytes);
+        SceneData::load(session, &self.scene, own, carried, within, &control)
             .map_err(|error| error.of_scene(&self.scene_path))
     }
 

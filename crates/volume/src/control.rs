@@ -1,9 +1,10 @@
 //! Long work: how far it is, and how it ends before it is done.
 
+use crate::error::{Error, ErrorKind, Remedy};
 use std::fmt;
 use std::ops::ControlFlow;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 
 /// What takes long about a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -35,7 +36,16 @@ type Listener = dyn Fn(Work, f64) -> ControlFlow<()> + Send + Sync;
 /// assert_eq!(error.to_string(), "cancelled");
 /// ```
 #[derive(Clone, Default)]
-pub struct Control(Option<Arc<State>>);
+pub struct Control {
+    state: Option<Arc<State>>,
+    memory: Option<Arc<Memory>>,
+}
+
+/// How much memory reading may take, and how much it has taken.
+struct Memory {
+    most_bytes: u64,
+    kept_bytes: AtomicU64,
+}
 
 struct State {
     is_cancelled: AtomicBool,
@@ -44,7 +54,10 @@ struct State {
 
 impl Control {
     /// Control of work that goes on to its end, without anybody listening: the same as `default()`.
-    pub const NONE: Control = Control(None);
+    pub const NONE: Control = Control {
+        state: None,
+        memory: None,
+    };
 
     /// Control of work that can be cancelled, without anybody listening.
     pub fn new() -> Control {
@@ -60,16 +73,56 @@ impl Control {
     }
 
     fn with(listener: Option<Box<Listener>>) -> Control {
-        Control(Some(Arc::new(State {
-            is_cancelled: AtomicBool::new(false),
-            listener,
-        })))
+        Control {
+            state: Some(Arc::new(State {
+                is_cancelled: AtomicBool::new(false),
+                listener,
+            })),
+            memory: None,
+        }
+    }
+
+    /// The same control of reading that takes at most so many bytes of memory, for all files that are read under it.
+    /// Beyond, readers give [`ErrorKind::OverBudget`]. Clones share what is left.
+    #[must_use]
+    pub fn with_memory(&self, most_bytes: u64) -> Control {
+        Control {
+            state: self.state.clone(),
+            memory: Some(Arc::new(Memory {
+                most_bytes,
+                kept_bytes: 0.into(),
+            })),
+        }
+    }
+
+    /// Whether there is room for as many bytes beside those that are kept.
+    ///
+    /// # Errors
+    /// [`ErrorKind::OverBudget`].
+    pub(crate) fn has_room(&self, bytes: u64) -> Result<(), Error> {
+        let Some(memory) = &self.memory else {
+            return Ok(());
+        };
+        let kept = memory.kept_bytes.load(Ordering::Relaxed);
+        memory.check(kept.saturating_add(bytes))
+    }
+
+    /// The same of bytes that stay.
+    ///
+    /// # Errors
+    /// [`ErrorKind::OverBudget`].
+    pub(crate) fn keep(&self, bytes: u64) -> Result<(), Error> {
+        let Some(memory) = &self.memory else {
+            return Ok(());
+        };
+        let kept = memory.kept_bytes.fetch_add(bytes, Ordering::Relaxed);
+        memory.check(kept.saturating_add(bytes))
     }
 
     /// Asks the work to end: it does where it next asks, and says [`Cancelled`]. Does nothing to work under
     /// [`Control::NONE`].
     pub fn cancel(&self) {
-        if let Some(state) = &self.0 {
+        if let Some(state) = &self.state {
             state.is_cancelled.store(true, Ordering::Relaxed);
         }
     }
@@ -77,7 +130,7 @@ impl Control {
     /// Whether the work is to end.
     #[inline]
     pub fn is_cancelled(&self) -> bool {
-        match &self.0 {
+        match &self.state {
             Some(state) => state.is_cancelled.load(Ordering::Relaxed),
             None => false,
         }
@@ -100,7 +153,7 @@ impl Control {
     /// # Errors
     /// The work was cancelled.
     pub fn report(&self, work: Work, share: f64) -> Result<(), Cancelled> {
-        let Some(state) = &self.0 else {
+        let Some(state) = &self.state else {
             return Ok(());
         };
         self.check()?;
@@ -119,6 +172,19 @@ impl Control {
             work,
             done: AtomicUsize::new(0),
             total,
+        }
+    }
+}
+
+impl Memory {
+    fn check(&self, bytes: u64) -> Result<(), Error> {
+        match bytes > self.most_bytes {
+            true => Err(Error::from(ErrorKind::OverBudget {
+                bytes,
+                most_bytes: self.most_bytes,
+            })
+            .with_remedy(Remedy::Memory)),
+            false => Ok(()),
         }
     }
 }
@@ -152,7 +218,7 @@ impl Parts<'_> {
     /// # Errors
     /// The work was cancelled.
     pub fn done(&self, number: usize) -> Result<(), Cancelled> {
-        if self.control.0.is_none() {
+        if self.control.state.is_none() {
             return Ok(());
         }
         let done = self.done.fetch_add(number, Ordering::Relaxed) + number;
@@ -176,6 +242,22 @@ mod tests {
         assert_eq!(control.report(Work::Drawing, 0.5), Err(Cancelled));
         Control::NONE.cancel();
         assert_eq!(Control::NONE.check(), Ok(()));
+    }
+
+    #[test]
+    fn clones_share_what_is_left_of_the_memory() {
+        let control = Control::new().with_memory(100);
+        control.clone().keep(60).unwrap();
+        control.has_room(40).unwrap();
+        let error = control.has_room(41).unwrap_err().to_string();
+        assert!(
+            error.contains("101 bytes") && error.contains("100"),
+            "{error}"
+        );
+        control.keep(41).unwrap_err();
+        control.cancel();
+        assert_eq!(control.clone().check(), Err(Cancelled));
+        Control::NONE.keep(u64::MAX).unwrap();
     }
 
     #[test]

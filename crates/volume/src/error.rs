@@ -27,6 +27,8 @@ pub enum Remedy {
     DimsAndType,
     /// Their type (`raw.sample_type`).
     Type,
+    /// How much memory reading may take ([`Control::with_memory`](crate::Control::with_memory)).
+    Memory,
     /// How many bytes before the first sample are a header after all (`raw.header_bytes`).
     HeaderBytes(u64),
 }
@@ -107,6 +109,14 @@ pub enum ErrorKind {
     /// Several volumes are there and none was picked.
     #[error("{0}")]
     Ambiguous(String),
+    /// What is read needs more memory than whoever reads it allows.
+    #[error("reading takes {bytes} bytes of memory or more; the limit is {most_bytes} bytes")]
+    OverBudget {
+        /// What it takes, with what has been read before.
+        bytes: u64,
+        /// What it may take.
+        most_bytes: u64,
+    },
     /// Not enough memory for data that is really there.
     #[error("no memory for {bytes} bytes of samples")]
     NoMemory {

@@ -20,7 +20,13 @@ pub fn run(flags: &ConvertFlags, quiet: bool) -> Result<()> {
     // Both before the long work.
     let format = Format::of_name(name)?;
     drop(Output::create(path)?);
-    let mut loaded = load_components(&flags.inputs, &flags.read, &flags.labels, quiet)?;
+    let mut loaded = load_components(
+        &flags.inputs,
+        &flags.read,
+        &flags.labels,
+        &flags.memory,
+        quiet,
+    )?;
     if flags.anonymous {
         let volumes = loaded.volumes.into_iter();
         loaded.volumes = volumes.map(Volume::anonymous).collect();

@@ -24,7 +24,13 @@ pub fn run(flags: &InfoFlags, quiet: bool) -> Result<()> {
         [first, ..] => format!("{} and {} more", first.display(), flags.volume.len() - 1),
         [] => String::new(),
     };
-    let mut loaded = load_labels(&flags.volume, &flags.read, &flags.labels, quiet)?;
+    let mut loaded = load_labels(
+        &flags.volume,
+        &flags.read,
+        &flags.labels,
+        &flags.memory,
+        quiet,
+    )?;
     if flags.anonymous {
         loaded.volume = loaded.volume.anonymous();
     }

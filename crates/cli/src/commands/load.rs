@@ -1,7 +1,7 @@
 //! Reading a volume.
 
 use crate::args;
-use crate::flags::{LabelFlags, ReadFlags};
+use crate::flags::{LabelFlags, MemoryFlags, ReadFlags};
 use crate::progress::{Progress, shown_by};
 use anyhow::Result;
 use std::path::PathBuf;
@@ -10,7 +10,8 @@ use strahl::volume::read::{LoadedComponents, LoadedVolume, ReadOptions};
 /// Reads a volume with progress; its notes are left to the caller.
 #[cfg(feature = "sim")]
 pub fn load(paths: &[PathBuf], flags: &ReadFlags, quiet: bool) -> Result<LoadedVolume> {
-    load_labels(paths, flags, &LabelFlags::default(), quiet)
+    let (labels, memory) = (LabelFlags::default(), MemoryFlags::default());
+    load_labels(paths, flags, &labels, &memory, quiet)
 }
 
 /// The same of a volume whose numbers may be object ids.
@@ -18,11 +19,13 @@ pub fn load_labels(
     paths: &[PathBuf],
     flags: &ReadFlags,
     labels: &LabelFlags,
+    memory: &MemoryFlags,
     quiet: bool,
 ) -> Result<LoadedVolume> {
     let options = options(flags, labels)?;
     let progress = Progress::new("reading", quiet);
-    Ok(strahl::load_under(paths, &options, &shown_by(&progress))?)
+    let control = shown_by(&progress).with_memory(args::memory(memory)?);
+    Ok(strahl::load_under(paths, &options, &control)?)
 }
 
 /// The same with all numbers of each voxel, unless the flags pick one of them. Object ids are one number.
@@ -30,11 +33,12 @@ pub fn load_components(
     paths: &[PathBuf],
     flags: &ReadFlags,
     labels: &LabelFlags,
+    memory: &MemoryFlags,
     quiet: bool,
 ) -> Result<LoadedComponents> {
     let options = options(flags, labels)?;
     if flags.component.is_some() || options.as_labels || options.label_table.is_some() {
-        let loaded = load_labels(paths, flags, labels, quiet)?;
+        let loaded = load_labels(paths, flags, labels, memory, quiet)?;
         return Ok(LoadedComponents {
             volumes: vec![loaded.volume],
             labels: loaded.labels,
@@ -42,11 +46,8 @@ pub fn load_components(
         });
     }
     let progress = Progress::new("reading", quiet);
-    Ok(strahl::load_components_under(
-        paths,
-        &options,
-        &shown_by(&progress),
-    )?)
+    let control = shown_by(&progress).with_memory(args::memory(memory)?);
+    Ok(strahl::load_components_under(paths, &options, &control)?)
 }
 
 fn options(flags: &ReadFlags, labels: &LabelFlags) -> Result<ReadOptions> {

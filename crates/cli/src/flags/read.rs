@@ -55,6 +55,15 @@ pub struct ReadFlags {
     pub header_bytes: Option<u64>,
 }
 
+/// How much memory reading may take.
+#[derive(Debug, Default, Args)]
+#[command(next_help_heading = "Limits")]
+pub struct MemoryFlags {
+    /// Refuse files that need more memory, such as 500M or 8G; without, more than the system has left
+    #[arg(long, value_name = "BYTES", hide_short_help = true)]
+    pub max_memory: Option<String>,
+}
+
 /// What becomes of several numbers per voxel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Component {

@@ -94,6 +94,32 @@ fn what_commands_a_terminal_does_not_reach_it() {
     assert!(run.err.contains(r"a\u{1b}[31mb"), "{}", run.err);
 }
 
+/// What unpacks to more than it may is refused by every command that reads.
+#[test]
+fn files_that_unpack_to_more_than_the_memory_are_refused() {
+    let folder = folder_with_shells();
+    for args in [
+        &["info", "shells.nrrd"][..],
+        &["convert", "shells.nrrd", "out.nii"],
+        &["render", "shells.nrrd", "-o", "out.png", "--size", "8x8"],
+    ] {
+        let words = [
+            "shells.nrrd: reading takes 6144 bytes of memory or more; the limit is 4096 bytes",
+            "help: --max-memory BYTES allows more",
+        ];
+        refused(
+            folder.path(),
+            &[args, &["--max-memory", "4k"]].concat(),
+            &words,
+        );
+    }
+    assert_eq!(names(folder.path()), ["shells.nrrd"]);
+    run_well(
+        folder.path(),
+        &["info", "shells.nrrd", "--max-memory", "7k"],
+    );
+}
+
 #[test]
 fn pictures_beyond_all_memory_are_refused_with_the_number() {
     let folder = tempfile::tempdir().unwrap();

@@ -129,10 +129,11 @@ impl<'a> Block<'a> {
     /// # Errors
     /// As [`Block::read`].
     pub(crate) fn append(&self, samples: &mut Samples, count: usize) -> Result<(), Error> {
+        self.bytes.keep(bytes_of(count, samples.sample_type()))?;
         with_samples!(samples, s => self.append_typed(s, count))
     }
 
-    /// As [`Block::append`], for a vector of known type.
+    /// As [`Block::append`], for a vector of known type whose memory has been asked for.
     pub(crate) fn append_typed<T: Sample>(
         &self,
         into: &mut Vec<T>,
@@ -393,6 +394,11 @@ pub(crate) fn decoder<'a>(
         Encoding::Bzip2 => Box::new(bzip2::bufread::MultiBzDecoder::new(source)),
         Encoding::Hex => Box::new(HexDecoder { source }),
     }
+}
+
+/// Bytes of `count` samples.
+pub(crate) fn bytes_of(count: usize, sample_type: SampleType) -> u64 {
+    (count as u64).saturating_mul(sample_type.size() as u64)
 }
 
 /// Reserves room for exactly `additional` more elements.

@@ -78,8 +78,10 @@ pub(crate) fn read(
     if bytes.len() < expected {
         return Err(truncated("the picture", expected, bytes.len()));
     }
+    let count = components::total(dims[0] * dims[1], numbers)?;
+    bytes.has_room(count as u64)?;
     let mut samples: Vec<u8> = Vec::new();
-    reserve(&mut samples, components::total(dims[0] * dims[1], numbers)?)?;
+    reserve(&mut samples, count)?;
     let mut row = vec![0; row_bytes];
     for y in 0..dims[1] {
         let stored = if is_downward { y } else { dims[1] - 1 - y };

@@ -83,7 +83,7 @@ impl Storage {
         }
         match is_text {
             true => stored.kept_of_text(samples, notes),
-            false => stored.kept_of_bits(samples, notes),
+            false => stored.kept_of_bits(samples, input.bytes, notes),
         }
     }
 

@@ -25,6 +25,7 @@ mod structure_set;
 mod syntax;
 mod tags;
 
+use super::block;
 use super::components::{self, Choice, Meaning};
 use super::{Bytes, Files, Input, LoadedVolume, ReadOptions};
 use crate::cores;
@@ -583,6 +584,11 @@ impl Reader<'_> {
         read: impl Fn(&Source, &Frame, &mut [T]) -> Result<(), Error> + Sync,
     ) -> Result<Samples, Error> {
         let frame_samples = self.slices[0].layout.frame_samples();
+        let name = &self.images[self.slices[0].image].name;
+        let count = frame_samples.saturating_mul(self.slices.len());
+        self.files
+            .open(name)?
+            .keep(block::bytes_of(count, T::TYPE))?;
         let mut samples = zeroed::<T>(frame_samples.checked_mul(self.slices.len()))?;
         let mut by_image: BTreeMap<usize, Vec<(&Frame, &mut [T])>> = BTreeMap::new();
         for (frame, into) in self

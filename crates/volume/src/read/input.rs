@@ -1,5 +1,6 @@
 //! What a reader may see: the bytes of files, by name.
 
+use crate::Error;
 use std::collections::BTreeMap;
 use std::io;
 
@@ -25,6 +26,23 @@ pub trait Bytes: Send + Sync {
     /// Somebody ended it.
     fn check(&self) -> io::Result<()> {
         Ok(())
+    }
+
+    /// Whether there is memory for as many bytes; readers ask before they take much of it.
+    ///
+    /// # Errors
+    /// It is more than whoever reads allows.
+    fn has_room(&self, bytes: u64) -> Result<(), Error> {
+        let _ = bytes;
+        Ok(())
+    }
+
+    /// The same of memory that stays when the file has been read.
+    ///
+    /// # Errors
+    /// As [`has_room`](Bytes::has_room).
+    fn keep(&self, bytes: u64) -> Result<(), Error> {
+        self.has_room(bytes)
     }
 }
 
@@ -54,6 +72,42 @@ impl<B: Bytes + ?Sized> Bytes for &B {
 
     fn check(&self) -> io::Result<()> {
         (**self).check()
+    }
+
+    fn has_room(&self, bytes: u64) -> Result<(), Error> {
+        (**self).has_room(bytes)
+    }
+
+    fn keep(&self, bytes: u64) -> Result<(), Error> {
+        (**self).keep(bytes)
+    }
+}
+
+/// What a file unpacks to, in memory. What holds for reading the file holds for it.
+pub(crate) struct Whole<'a> {
+    pub(crate) bytes: Vec<u8>,
+    pub(crate) file: Box<dyn Bytes + 'a>,
+}
+
+impl Bytes for Whole<'_> {
+    fn len(&self) -> u64 {
+        self.bytes.len() as u64
+    }
+
+    fn read_at(&self, offset: u64, into: &mut [u8]) -> io::Result<()> {
+        self.bytes.read_at(offset, into)
+    }
+
+    fn check(&self) -> io::Result<()> {
+        self.file.check()
+    }
+
+    fn has_room(&self, bytes: u64) -> Result<(), Error> {
+        self.file.has_room(bytes)
+    }
+
+    fn keep(&self, bytes: u64) -> Result<(), Error> {
+        self.file.keep(bytes)
     }
 }
 

@@ -17,12 +17,13 @@ pub(crate) fn read(
     options: &ReadOptions,
     notes: &mut Vec<String>,
 ) -> Result<Picture, Error> {
+    bytes.has_room(bytes.len())?;
     let mut packed: Vec<u8> = Vec::new();
     block::reserve(&mut packed, bytes.len() as usize)?;
     packed.resize(bytes.len() as usize, 0);
     bytes.read_at(0, &mut packed)?;
     // The decoder is not ours: a panic of it says that the data is damaged.
-    let (dims, format, decoded) = catch_unwind(AssertUnwindSafe(|| decode(&packed)))
+    let (dims, format, decoded) = catch_unwind(AssertUnwindSafe(|| decode(bytes, &packed)))
         .unwrap_or_else(|_| Err(damaged("the data is damaged".into())))?;
     let numbers = match format {
         PixelFormat::L8 => 1,
@@ -52,7 +53,7 @@ fn damaged(why: String) -> Error {
     ErrorKind::Compression { codec: "JPEG", why }.into()
 }
 
-fn decode(packed: &[u8]) -> Result<([usize; 2], PixelFormat, Vec<u8>), Error> {
+fn decode(bytes: &dyn Bytes, packed: &[u8]) -> Result<([usize; 2], PixelFormat, Vec<u8>), Error> {
     let mut decoder = Decoder::new(packed);
     let failed = |error: jpeg_decoder::Error| damaged(error.to_string());
     decoder.read_info().map_err(failed)?;
@@ -80,6 +81,7 @@ fn decode(packed: &[u8]) -> Result<([usize; 2], PixelFormat, Vec<u8>), Error> {
         }
         .into());
     }
+    bytes.has_room(size)?;
     decoder.set_max_decoding_buffer_size(size as usize);
     let decoded = decoder.decode().map_err(failed)?;
     Ok((dims, info.pixel_format, decoded))

@@ -84,6 +84,8 @@ pub fn read_mesh_under(
 /// All bytes: unlike samples, none of them stays as it is. The length is that of the file.
 fn whole(bytes: &dyn Bytes) -> Result<Vec<u8>, Error> {
     let no_memory = || ErrorKind::NoMemory { bytes: bytes.len() };
+    // The corners of a mesh take about as much again.
+    bytes.has_room(bytes.len().saturating_mul(2))?;
     let length = usize::try_from(bytes.len()).map_err(|_| no_memory())?;
     let mut all = Vec::new();
     all.try_reserve_exact(length).map_err(|_| no_memory())?;

@@ -209,7 +209,8 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<LoadedVolume,
             .saturating_mul(options.time_index as u64),
         ..Block::raw(input.bytes, start)
     };
-    let samples = stored.kept_of_bits(block.read(stored.bits(), count)?, &mut notes)?;
+    let samples =
+        stored.kept_of_bits(block.read(stored.bits(), count)?, input.bytes, &mut notes)?;
     let volume = Volume::new(
         grid,
         samples,

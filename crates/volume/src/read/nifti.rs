@@ -130,7 +130,7 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<LoadedVolume,
         samples_in(&*bytes, encoding).map_err(in_file)?
     };
 
-    let samples = stored.kept_of_bits(samples, &mut notes)?;
+    let samples = stored.kept_of_bits(samples, input.bytes, &mut notes)?;
     let samples = components::reduced(samples, side_by_side, choice);
 
     if header.intercept_is_broken() {

@@ -65,7 +65,8 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<LoadedVolume,
         )
     };
     let stored = header.dtype.stored;
-    let samples = stored.kept_of_bits(block.read(stored.bits(), count)?, &mut notes)?;
+    let samples =
+        stored.kept_of_bits(block.read(stored.bits(), count)?, input.bytes, &mut notes)?;
     let (spacing_mm, has_length_unit) = unoriented::spacing_mm(options, None);
     let volume = Volume::new(
         unoriented::grid(dims, spacing_mm)?,

@@ -8,6 +8,7 @@
 //!
 //! The one array is read, or the one with three or four axes. (Archives beyond 4 GiB are refused.)
 
+use super::input::Whole;
 use super::{Bytes, Input, LoadedVolume, ReadOptions, npy};
 use crate::error::{Error, ErrorKind};
 use std::io::Read;
@@ -114,7 +115,11 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<LoadedVolume,
             format!("up to {MOST_BYTES}; save it by numpy.save"),
         ));
     }
-    let array = unpacked(input.bytes, entry, entry.size)?;
+    input.bytes.has_room(entry.size)?;
+    let array = Whole {
+        bytes: unpacked(input.bytes, entry, entry.size)?,
+        file: Box::new(input.bytes),
+    };
     let inside = Input {
         name: input.name,
         bytes: &array,

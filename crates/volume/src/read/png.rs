@@ -73,6 +73,7 @@ pub(crate) fn read(
     };
     let choice = components::choice(channels, Meaning::Colour, options, notes)?;
     let count = components::total(dims[0] * dims[1], channels)?;
+    bytes.has_room(2 * count as u64)?;
     let samples = match depth {
         _ if color_type == ColorType::Indexed => {
             let mut samples: Vec<u8> = Vec::new();

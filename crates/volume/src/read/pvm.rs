@@ -252,6 +252,7 @@ impl<'a> Content<'a> {
             }
             Content::Packed { stream, total } => {
                 // The bytes go straight to where the samples stay; the file really holds them all.
+                stream.keep(header.sample_bytes)?;
                 let mut small = Vec::new();
                 let mut wide = Vec::new();
                 let bytes: &mut [u8] = match header.sample_type {

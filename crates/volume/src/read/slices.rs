@@ -67,6 +67,10 @@ pub(crate) fn read_pictures(
     let mut all = decode(&names[0])?;
     let (dims, sample_type) = (all.dims, all.samples.sample_type());
     let slice_samples = all.samples.len();
+    let slice_bytes = block::bytes_of(slice_samples, sample_type);
+    files
+        .open(&names[0])?
+        .keep(slice_bytes.saturating_mul(names.len() as u64))?;
     crate::with_samples!(&mut all.samples, s => {
         block::reserve(s, slice_samples.saturating_mul(names.len() - 1))
     })?;

@@ -1,7 +1,7 @@
 //! Number types that files have and volumes have not: 64-bit whole numbers and half floats. They are read as the
 //! bits they are and then turned into the narrowest type that holds them.
 
-use super::block;
+use super::{Bytes, block};
 use crate::error::{Error, ErrorKind};
 use crate::{SampleType, Samples};
 
@@ -46,15 +46,22 @@ impl Stored {
         }
     }
 
-    /// The numbers whose bits were read. `notes` hears what they were turned into.
+    /// The numbers whose bits were read from `bytes`. `notes` hears what they were turned into.
     ///
     /// # Errors
-    /// A whole number that no type holds exactly; no memory.
+    /// A whole number that no type holds exactly; no memory, or more than is allowed.
     pub(crate) fn kept_of_bits(
         self,
         samples: Samples,
+        bytes: &dyn Bytes,
         notes: &mut Vec<String>,
     ) -> Result<Samples, Error> {
+        let count = samples.len() as u64;
+        match self {
+            Stored::Kept(_) => {}
+            Stored::F16 => bytes.keep(count.saturating_mul(4))?,
+            Stored::I64 | Stored::U64 => bytes.has_room(count.saturating_mul(8))?,
+        }
         match (self, samples) {
             (Stored::F16, Samples::U16(halves)) => {
                 notes.push("half floats were read as f32".into());
@@ -174,7 +181,11 @@ mod tests {
     fn whole_numbers_take_the_narrowest_type() {
         let read = |stored: Stored, numbers: &[i128]| {
             let bits = numbers.iter().map(|n| f64::from_bits(*n as u64));
-            stored.kept_of_bits(Samples::F64(bits.collect()), &mut Vec::new())
+            stored.kept_of_bits(
+                Samples::F64(bits.collect()),
+                &[0u8; 0].as_slice(),
+                &mut Vec::new(),
+            )
         };
         assert_eq!(
             read(Stored::I64, &[-2_147_483_648, 7]).unwrap(),

@@ -66,13 +66,19 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<LoadedVolume,
     let (spacing_mm, has_length_unit) = unoriented::spacing_mm(options, of_file);
     let grid = unoriented::grid(dims, spacing_mm)?;
     let mut samples = Samples::new(first.sample_type);
+    let count = components::total(grid.voxel_count(), first.numbers)?;
+    input
+        .bytes
+        .keep(block::bytes_of(count, first.sample_type))?;
     reserve(&mut samples, &grid, &file)?;
     for slice in 0..order.slices {
         let image = order.image(slice, options.time_index);
         images.append(image, input.bytes, file.endian, &mut samples)?;
     }
 
-    let samples = first.stored.kept_of_bits(samples, &mut notes)?;
+    let samples = first
+        .stored
+        .kept_of_bits(samples, input.bytes, &mut notes)?;
     let samples = colors.reduced(samples, choice)?;
 
     let mut entries = Vec::new();
@@ -132,9 +138,11 @@ pub(crate) fn read_slice(
     let described = described(&file);
     let colors = colors(&file, page, described.as_ref(), options, notes);
     let mut samples = Samples::new(page.sample_type);
+    let count = page.width.saturating_mul(page.height);
+    bytes.has_room(block::bytes_of(count, page.sample_type))?;
     decode::append(page, bytes, file.endian, &mut samples)?;
     let choice = colors.choice(options, notes)?;
-    let samples = page.stored.kept_of_bits(samples, notes)?;
+    let samples = page.stored.kept_of_bits(samples, bytes, notes)?;
     Ok(Slice {
         dims: [page.pixels(), page.height],
         samples: colors.reduced(samples, choice)?,

@@ -4,6 +4,7 @@
 //! them. So a small file that unpacks to a huge one costs time but no memory.
 
 use super::block::{self, Encoding};
+use super::input::Whole;
 use super::sniff::{self, Kind};
 use super::{Bytes, Input, LoadedVolume};
 use crate::error::Error;
@@ -36,7 +37,10 @@ pub(crate) fn read(
     match sniff::kind(&unpacked)? {
         // These jump about in the file, which a packed one does not allow.
         Some(kind @ (Kind::Tiff | Kind::Dicom | Kind::MaybeDicom | Kind::Png)) => {
-            let whole = unpacked.whole()?;
+            let whole = Whole {
+                bytes: unpacked.whole()?,
+                file: Box::new(unpacked.packed),
+            };
             // A file of a series is known by its own name.
             let name = match kind {
                 Kind::Dicom | Kind::MaybeDicom => packed_name,
@@ -116,6 +120,7 @@ impl Unpacked<'_> {
                 format!("up to {MOST_BYTES} bytes for this format; unpack the file first"),
             ));
         }
+        self.packed.has_room(self.len)?;
         let mut all = Vec::new();
         block::reserve(&mut all, self.len as usize)?;
         all.resize(self.len as usize, 0);
@@ -146,5 +151,13 @@ impl Bytes for Unpacked<'_> {
 
     fn check(&self) -> io::Result<()> {
         self.packed.check()
+    }
+
+    fn has_room(&self, bytes: u64) -> Result<(), Error> {
+        self.packed.has_room(bytes)
+    }
+
+    fn keep(&self, bytes: u64) -> Result<(), Error> {
+        self.packed.keep(bytes)
     }
 }

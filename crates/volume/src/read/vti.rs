@@ -58,7 +58,9 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<LoadedVolume,
 }
 
 /// The whole file: XML has no end before its last byte.
-struct File {
+struct File<'a> {
+    /// What holds for reading it.
+    source: &'a dyn Bytes,
     bytes: Vec<u8>,
     endian: Endian,
     /// Bytes of a number in the header of binary data.
@@ -97,8 +99,8 @@ fn numbers<const N: usize, T: std::str::FromStr>(name: &str, text: &str) -> Resu
         .ok_or_else(|| Error::field(name, format!("`{text}`"), format!("{N} numbers")))
 }
 
-impl File {
-    fn open(bytes: &dyn Bytes) -> Result<File, Error> {
+impl File<'_> {
+    fn open(bytes: &dyn Bytes) -> Result<File<'_>, Error> {
         if bytes.len() > MOST_XML_BYTES {
             return Err(Error::field(
                 "the size of the file",
@@ -106,11 +108,13 @@ impl File {
                 format!("up to {MOST_XML_BYTES} bytes for XML; convert it to MetaImage or NRRD"),
             ));
         }
+        bytes.has_room(bytes.len())?;
         let mut all = Vec::new();
         block::reserve(&mut all, bytes.len() as usize)?;
         all.resize(bytes.len() as usize, 0);
         bytes.read_at(0, &mut all)?;
         let mut file = File {
+            source: bytes,
             bytes: all,
             endian: Endian::Little,
             word: 4,
@@ -320,6 +324,11 @@ impl File {
         stored: Stored,
         notes: &mut Vec<String>,
     ) -> Result<Samples, Error> {
+        // The unpacked bytes and the samples are there at the same time.
+        let bytes = block::bytes_of(count, stored.bits());
+        self.source
+            .has_room(bytes.saturating_add(self.source.len()))?;
+        self.source.keep(bytes)?;
         let format = array.attribute("format").unwrap_or("ascii");
         if format == "ascii" {
             let inside = &self.bytes[array.end..];
@@ -355,7 +364,7 @@ impl File {
             endian: self.endian,
             ..Block::raw(&plain, 0)
         };
-        stored.kept_of_bits(block.read(stored.bits(), count)?, notes)
+        stored.kept_of_bits(block.read(stored.bits(), count)?, self.source, notes)
     }
 
     /// Where the bytes of an array lie behind the XML.

@@ -104,7 +104,7 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<LoadedVolume,
     let stored = header.stored;
     let samples: Samples = match header.is_text {
         true => stored.kept_of_text(block.read(stored.of_text(), count)?, &mut notes)?,
-        false => stored.kept_of_bits(block.read(stored.bits(), count)?, &mut notes)?,
+        false => stored.kept_of_bits(block.read(stored.bits(), count)?, input.bytes, &mut notes)?,
     };
     let samples = components::reduced(samples, header.components, choice);
     let volume = Volume::new(

@@ -92,6 +92,14 @@ impl Bytes for WatchedBytes<'_> {
     fn check(&self) -> io::Result<()> {
         self.watched.check()
     }
+
+    fn has_room(&self, bytes: u64) -> Result<(), Error> {
+        self.watched.control.has_room(bytes)
+    }
+
+    fn keep(&self, bytes: u64) -> Result<(), Error> {
+        self.watched.control.keep(bytes)
+    }
 }
 
 /// What was read under `control`: whatever a reader says once it is cancelled is said of missing bytes.

@@ -4,8 +4,10 @@
 use std::path::{Path, PathBuf};
 use strahl_volume::read::mesh::{self, MeshSpace};
 use strahl_volume::read::{
-    LoadedVolume, MemoryFiles, ReadOptions, read_file, read_folder, read_label_table,
+    LoadedVolume, MemoryFiles, ReadOptions, read_file, read_file_under, read_folder,
+    read_folder_under, read_label_table,
 };
+use strahl_volume::{Control, Error, ErrorKind, Remedy};
 
 const SEPARATOR: &[u8] = b"\n--next file--\n";
 
@@ -152,6 +154,66 @@ fn what_once_broke_a_reader_does_not() {
         }
     }
     assert!(count > 0, "no input was found");
+}
+
+/// Reads the first file of an input with so much memory.
+fn read_within(most_bytes: u64, names: &[&str], input: &[u8]) -> Result<LoadedVolume, Error> {
+    let control = Control::new().with_memory(most_bytes);
+    let files = parts(input, names);
+    read_file_under(names[0], &files, &ReadOptions::default(), &control)
+}
+
+#[test]
+fn no_reader_takes_more_memory_than_it_may() {
+    for (target, names, _) in TARGETS {
+        let mut refused = 0;
+        for (path, input) in inputs(&folder("../../fuzz/seeds").join(target)) {
+            let Ok(loaded) = read_within(1 << 24, names, &input) else {
+                continue;
+            };
+            let bytes = loaded.volume.samples().as_bytes().len() as u64;
+            let read = read_within(bytes - 1, names, &input);
+            let error = read.err().unwrap_or_else(|| panic!("{path:?} was read"));
+            assert!(
+                matches!(error.kind(), ErrorKind::OverBudget { most_bytes, .. } if *most_bytes == bytes - 1),
+                "{path:?}: {error}"
+            );
+            assert_eq!(error.remedy(), Some(Remedy::Memory), "{path:?}");
+            refused += 1;
+        }
+        assert!(refused > 0, "{target}");
+    }
+    let pictures = ["slice_1.png", "slice_2.png"].map(|name| {
+        let picture = crate::slices::png(2, 3, &[1, 2, 3, 4, 5, 6]);
+        (name.to_owned(), picture)
+    });
+    let control = Control::new().with_memory(11);
+    let options = ReadOptions::default();
+    let read = read_folder_under("folder", &MemoryFiles::from(pictures), &options, &control);
+    assert_eq!(read.unwrap_err().remedy(), Some(Remedy::Memory));
+    let meshes = MESHES.map(|target| inputs(&folder("../../fuzz/seeds").join(target)));
+    for (name, inputs) in MESHES.iter().zip(meshes) {
+        let name = format!("mesh.{name}");
+        for (path, input) in inputs {
+            let files = MemoryFiles::from([(name.clone(), input)]);
+            let control = Control::new().with_memory(10);
+            let error = mesh::read_mesh_under(&name, &files, None, &control).unwrap_err();
+            assert_eq!(error.remedy(), Some(Remedy::Memory), "{path:?}");
+        }
+    }
+}
+
+/// Files that are read under one control share what it allows.
+#[test]
+fn the_limit_holds_for_all_files_together() {
+    let npy = inputs(&folder("../../fuzz/seeds/npy"));
+    let (_, input) = &npy[0];
+    let files = MemoryFiles::from([("scan.npy".to_owned(), input.clone())]);
+    let control = Control::new().with_memory(1 << 20);
+    let read = || read_file_under("scan.npy", &files, &ReadOptions::default(), &control);
+    let bytes = read().unwrap().volume.samples().as_bytes().len() as u64;
+    let times = (1..=(1 << 20) / bytes).filter(|_| read().is_ok()).count() as u64;
+    assert_eq!(times + 1, (1 << 20) / bytes);
 }
 
 /// A seed that is refused at its first byte leads a fuzzer nowhere.

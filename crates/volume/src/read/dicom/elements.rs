@@ -377,6 +377,10 @@ pub(super) fn inflate(bytes: &dyn Bytes, offset: u64, limit: u64) -> Result<Vec<
         bytes,
         position: offset,
     };
+    // Its first part is looked at wherever it leads; all of it has been promised by elements.
+    if limit > MAX_DEFLATED_HEADER_BYTES {
+        bytes.has_room(limit)?;
+    }
     let mut inflated = Vec::new();
     DeflateDecoder::new(reader)
         .take(limit)

@@ -340,6 +340,11 @@ impl<'a> Source<'a> {
     pub(super) fn read<T: Stored>(&self, frame: usize, samples: &mut [T]) -> Result<(), Error> {
         assert_eq!(T::TYPE, self.layout.sample_type);
         assert_eq!(samples.len(), self.layout.frame_samples());
+        // Decoders have their numbers in 4 bytes, and once more as they are stored.
+        if self.elements.syntax.is_encapsulated {
+            let decoded = samples.len() * self.layout.color.stored_numbers();
+            self.bytes.has_room(8 * decoded as u64)?;
+        }
         match (self.layout.color, &self.palette) {
             (Color::Gray, _) => self.read_numbers(frame, samples).map(|_| ()),
             (Color::Palette { index, .. }, Some(palette)) => match index {

@@ -134,6 +134,7 @@ pub(super) fn read(image: &Image, bytes: &dyn Bytes) -> Result<LoadedVolume, Err
     let total = slice_samples
         .checked_mul(slices)
         .ok_or_else(|| Error::field("number of slices", slices, "fewer"))?;
+    bytes.keep(2 * total as u64)?;
     block::reserve(&mut voxels, total)?;
     voxels.resize(total, 0);
     let mut overlaps = 0usize;

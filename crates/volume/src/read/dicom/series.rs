@@ -5,6 +5,7 @@ use super::image::Image;
 use super::tags;
 use crate::cores;
 use crate::error::{Error, ErrorKind, Remedy};
+use crate::read::input::Whole;
 use crate::read::{Bytes, Files, unpacked};
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -62,7 +63,10 @@ pub(super) fn image(name: &str, bytes: &dyn Bytes, elements: Elements) -> Option
 pub(super) fn open<'a>(files: &'a dyn Files, name: &str) -> Result<Box<dyn Bytes + 'a>, Error> {
     let bytes = files.open(name)?;
     match unpacked::whole_if(&*bytes, |head| elements::is_dicom(head))? {
-        Some(whole) => Ok(Box::new(whole)),
+        Some(whole) => Ok(Box::new(Whole {
+            bytes: whole,
+            file: bytes,
+        })),
         None => Ok(bytes),
     }
 }

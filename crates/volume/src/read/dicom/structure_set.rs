@@ -90,6 +90,7 @@ pub(super) fn read(
     let mut order: Vec<usize> = (0..planes.len()).collect();
     order.sort_by_key(|i| std::cmp::Reverse(counts[*i]));
     let mut voxels: Vec<u16> = Vec::new();
+    input.bytes.keep(2 * grid.voxel_count() as u64)?;
     block::reserve(&mut voxels, grid.voxel_count())?;
     voxels.resize(grid.voxel_count(), 0);
     let mut overlaps = 0usize;

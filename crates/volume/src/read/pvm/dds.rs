@@ -38,6 +38,14 @@ pub(super) struct Stream<'a> {
 }
 
 impl<'a> Stream<'a> {
+    /// Asks for memory that stays.
+    ///
+    /// # Errors
+    /// It is more than whoever reads allows.
+    pub(super) fn keep(&self, bytes: u64) -> Result<(), Error> {
+        self.bytes.keep(bytes)
+    }
+
     /// The stream in `bytes`, or `None` if the magic is another.
     pub(super) fn open(bytes: &'a dyn Bytes) -> io::Result<Option<Stream<'a>>> {
         let mut magic = [0; 8];
