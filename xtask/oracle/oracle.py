@@ -11,6 +11,7 @@ from pathlib import Path
 
 import array_cases
 import case
+import color_cases
 import dicom_cases
 import format_cases
 import metaimage_cases
@@ -28,6 +29,7 @@ FAMILIES = {
     "slices": slice_cases.cases,
     "dicom": dicom_cases.cases,
     "formats": format_cases.cases,
+    "color": color_cases.cases,
 }
 
 

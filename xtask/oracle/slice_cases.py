@@ -97,4 +97,5 @@ def cases(folder):
     pixels = samples("u1", (5, 20, 30, 3))
     tifffile.imwrite(colour, pixels, photometric="rgb")
     luminance = np.rint(pixels @ [0.2126, 0.7152, 0.0722]).astype("u1")
-    yield Case("tiff/colour", [colour], luminance, note="luminance")
+    flags = ["--component", "luminance"]
+    yield Case("tiff/colour", [colour], luminance, flags=flags, note="luminance")

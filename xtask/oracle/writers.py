@@ -12,6 +12,7 @@ from nrrd_cases import SPACES, sitk_affine
 
 def checks(folder, strahl):
     """Yields name, problems."""
+    yield from components(folder, strahl)
     matrix = affine(rotation(6), [0.7, 1.3, 2.1], [-31.5, 12.25, 90.0])
     for kind in TYPES:
         for slope, intercept in ((1, 0), (2, -1024), (0.5, 0.25)):
@@ -50,6 +51,35 @@ def checks(folder, strahl):
                     if not worst <= 1e-6:
                         problems.append(f"affine differs by {worst:.3g}:\n{got_matrix}\n{matrix}")
                 yield name, problems
+
+
+def components(folder, strahl):
+    """Colors and vectors, which have to come out as such."""
+    matrix = np.diag([0.7, 1.3, 2.1, 1.0])
+    rgb = samples("u1", (5, 4, 3, 3))
+    colors = np.ascontiguousarray(rgb.transpose(2, 1, 0, 3)).view([(c, "u1") for c in "RGB"])[..., 0]
+    save(folder / "rgb.nii", colors, matrix)
+    vectors = samples("f4", (6, 5, 4, 3))
+    save(folder / "vector.nii", vectors.T[:, :, :, None], matrix)
+    for name, expected in (("rgb", rgb), ("vector", np.moveaxis(vectors, 0, -1))):
+        for ending in (".nii.gz", ".nrrd", ".mha", ".mhd"):
+            out = folder / f"{name}{ending}"
+            done = strahl.run("convert", folder / f"{name}.nii", out, "--quiet")
+            if done.returncode != 0:
+                yield f"write/components {out.name}", [done.stderr.strip()]
+                continue
+            got = sitk.GetArrayFromImage(sitk.ReadImage(str(out)))
+            problems = []
+            if got.dtype != expected.dtype or not np.array_equal(got, expected):
+                problems.append(f"{got.shape} {got.dtype} differ from {expected.shape}")
+            if name == "rgb" and ending == ".nii.gz":
+                if nib.load(out).header["datatype"] != 128:
+                    problems.append("not RGB24")
+            if ending == ".nrrd":
+                kind = nrrd.read_header(str(out))["kinds"][0]
+                if kind != {"rgb": "RGB-color", "vector": "vector"}[name]:
+                    problems.append(f"the kind {kind}")
+            yield f"write/components {out.name}", problems
 
 
 def read_nifti(path):

@@ -214,7 +214,7 @@ fn borders_lie_where_interpolated_membership_is_one_half() {
     }];
     segmented(&mut plan, &balls, &[(2, None)]);
     let data = Datasets {
-        masks: vec![balls.mask(&[1])],
+        masks: vec![balls.mask(&[1]).unwrap()],
         ..data(&volume, &balls)
     };
     let [clipped, hidden] = [&clipped, &plan].map(|plan| draw(data.clone(), plan));

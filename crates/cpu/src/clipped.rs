@@ -6,7 +6,7 @@ use std::sync::Arc;
 use strahl_scene::plan::{ClipShape, Composite, Plan, SampleClip, Sampling};
 use strahl_scene::visibility::dropped;
 use strahl_volume::bricks::{Bricks, BricksKey};
-use strahl_volume::{Cancelled, ContentId, Grid, Key, Volume};
+use strahl_volume::{ContentId, Error, Grid, Key, Volume};
 
 /// Of each brick whether every sample inside is dropped.
 #[derive(Clone)]
@@ -44,7 +44,7 @@ impl ClippedBricks {
         bricks: &Bricks,
         plan: &Plan,
         object: usize,
-    ) -> Result<Option<ClippedBricks>, Cancelled> {
+    ) -> Result<Option<ClippedBricks>, Error> {
         let is_projection = matches!(
             plan.technique().composite,
             Composite::Mip | Composite::Minip
@@ -77,7 +77,7 @@ impl ClippedBricks {
             }
             let mask = |mask: usize| (&masks[mask], &*of_masks[mask]);
             let (dims, edge) = (bricks.dims(), bricks.edge());
-            dropped(plan, object, dims, edge, mask, making.control)
+            Ok::<_, Error>(dropped(plan, object, dims, edge, mask, making.control)?)
         })?;
         let is_any = found.is_some();
         Ok(is_any.then_some(ClippedBricks { of, bricks: found }))

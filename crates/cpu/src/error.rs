@@ -22,7 +22,7 @@ pub enum Error {
         /// Its slot.
         slot: &'static str,
     },
-    /// The coefficients of an interpolating B-spline cannot be made.
+    /// Data that drawing needs (bricks, coefficients, numbers of labels) cannot be made.
     #[error(transparent)]
     Coefficients(strahl_volume::Error),
     /// The step is too short for the length of the rays.

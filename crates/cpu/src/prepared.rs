@@ -219,7 +219,7 @@ struct Reading {
 }
 
 impl Reading {
-    fn new(making: &Making, field: &Field, source: Source) -> Result<Reading, Cancelled> {
+    fn new(making: &Making, field: &Field, source: Source) -> Result<Reading, Error> {
         let (volume, control) = (&source.volume, making.control);
         volume.statistics_under(control)?;
         let is_linear = matches!(

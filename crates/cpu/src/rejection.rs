@@ -18,7 +18,7 @@ use std::sync::Arc;
 use strahl_scene::plan::{Classify, Fetch, Plan, Reconstruct};
 use strahl_volume::bends::bends_under;
 use strahl_volume::bricks::{BrickRange, Bricks, BricksKey};
-use strahl_volume::{Cancelled, ContentId, Key, Rescale, Volume};
+use strahl_volume::{ContentId, Error, Key, Rescale, Volume};
 
 /// What cubic reconstruction of a volume rests on, beside the voxels.
 pub struct CubicBounds {
@@ -53,7 +53,7 @@ struct Bends {
 }
 
 impl CubicBounds {
-    pub fn new(making: &Making, volume: &Volume) -> Result<CubicBounds, Cancelled> {
+    pub fn new(making: &Making, volume: &Volume) -> Result<CubicBounds, Error> {
         let control = making.control;
         let make = || Bricks::under(volume, EDGE, 1, control);
         let bricks = making.find(&BricksKey::new(volume, EDGE, 1), make)?;
@@ -75,7 +75,7 @@ impl CubicBounds {
                 .into_iter()
                 .map(|[least, most]| half(most) << 16 | half(least))
                 .collect();
-            Ok::<_, Cancelled>(Some(Bends {
+            Ok::<_, Error>(Some(Bends {
                 words: Arc::new(words),
                 largest,
             }))

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use strahl_shader::BRICK_VOXELS;
 use strahl_volume::bricks::{Bricks, BricksKey};
 use strahl_volume::{
-    Cancelled, CoefficientsKey, Control, Datasets, Error, Rescale, SampleType, Store, Volume,
+    CoefficientsKey, Control, Datasets, Error, Rescale, SampleType, Store, Volume,
 };
 
 /// Data that a Plan was not resolved for.
@@ -179,8 +179,8 @@ impl Source {
     /// Its bricks, with as many voxels along an edge as programs want; found in `store`, or made under `control`.
     ///
     /// # Errors
-    /// It was cancelled.
-    pub fn bricks(&self, store: &Store, control: &Control) -> Result<Arc<Bricks>, Cancelled> {
+    /// It was cancelled; no memory.
+    pub fn bricks(&self, store: &Store, control: &Control) -> Result<Arc<Bricks>, Error> {
         let edge = BRICK_VOXELS as usize;
         let key = BricksKey::new(&self.volume, edge, 0);
         store.find(&key, control, || {

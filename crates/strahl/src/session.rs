@@ -282,7 +282,7 @@ impl Session {
             files: States::of(&[path.into()])?,
             ids: ids.to_owned(),
         };
-        let make = || Ok::<_, Error>(labels.mask(ids));
+        let make = || Ok::<_, Error>(labels.mask(ids)?);
         self.store.find(&key, control, make)
     }
 

@@ -2,7 +2,7 @@
 
 use crate::bricks::{dims, touched};
 use crate::rows::{for_each_row, made};
-use crate::{Cancelled, Control, Sample, Volume, Work, with_samples};
+use crate::{Control, Error, Sample, Volume, Work, memory, with_samples};
 use std::ops::Range;
 
 /// Bounds of the second differences (v₋₁ − 2·v₀ + v₁ along an axis; beyond the border there is the voxel at the border
@@ -35,7 +35,7 @@ pub fn bends(volume: &Volume, edge: usize) -> Vec<[f32; 2]> {
 /// The same under `control`.
 ///
 /// # Errors
-/// It was cancelled.
+/// It was cancelled; no memory.
 ///
 /// # Panics
 /// If `edge` is 0.
@@ -43,11 +43,11 @@ pub fn bends_under(
     volume: &Volume,
     edge: usize,
     control: &Control,
-) -> Result<Vec<[f32; 2]>, Cancelled> {
+) -> Result<Vec<[f32; 2]>, Error> {
     assert!(edge > 0, "bricks of no cells");
     let voxels = volume.grid().dims();
     let dims = dims(voxels, edge);
-    let mut of_bricks = vec![[0.0; 2]; dims.iter().product()];
+    let mut of_bricks = memory::filled([0.0; 2], dims.iter().product())?;
     let of_row = |row: usize, of_bricks: &mut [[f32; 2]]| {
         let at = [row % dims[1], row / dims[1]];
         with_samples!(volume.samples(), samples => {

@@ -2,7 +2,8 @@
 
 use crate::rows::{for_each_row, made};
 use crate::{
-    Cancelled, ContentId, Control, Grid, Key, Sample, Samples, Volume, Work, with_samples,
+    Cancelled, ContentId, Control, Error, Grid, Key, Sample, Samples, Volume, Work, memory,
+    with_samples,
 };
 use std::ops::Range;
 
@@ -160,7 +161,7 @@ impl Bricks {
     /// The same under `control`.
     ///
     /// # Errors
-    /// It was cancelled.
+    /// It was cancelled; no memory.
     ///
     /// # Panics
     /// If `edge` is not a power of two.
@@ -169,7 +170,7 @@ impl Bricks {
         edge: usize,
         reach: usize,
         control: &Control,
-    ) -> Result<Bricks, Cancelled> {
+    ) -> Result<Bricks, Error> {
         Bricks::of(volume.grid(), volume.samples(), edge, reach, control)
     }
 
@@ -179,7 +180,7 @@ impl Bricks {
         edge: usize,
         reach: usize,
         control: &Control,
-    ) -> Result<Bricks, Cancelled> {
+    ) -> Result<Bricks, Error> {
         assert!(edge.is_power_of_two(), "bricks of {edge} cells");
         let voxels = grid.dims();
         let dims = dims(voxels, edge);
@@ -267,7 +268,7 @@ impl Bricks {
 
     /// What `of` makes of every range, x fastest; on all cores.
     pub fn map<T: Copy + Default + Send>(&self, of: impl Fn(BrickRange) -> T + Sync) -> Vec<T> {
-        made(self.map_under(&Control::NONE, of))
+        made(self.map_under(&Control::NONE, of).map_err(Error::from))
     }
 
     /// The same under `control`.
@@ -313,7 +314,7 @@ impl Blocks<'_> {
         samples: &[T],
         number: impl Fn(T) -> N + Sync,
         empty: [N; 2],
-    ) -> Result<Vec<[N; 2]>, Cancelled> {
+    ) -> Result<Vec<[N; 2]>, Error> {
         let [nx, ny, nz] = self.voxels;
         // Written so that NaN changes neither end.
         let smaller = |a: N, b: N| if b < a { b } else { a };
@@ -339,7 +340,7 @@ impl Blocks<'_> {
                 *hi = largest[columns].iter().copied().fold(*hi, larger);
             }
         };
-        let mut ranges = vec![empty; self.dims.iter().product()];
+        let mut ranges = memory::filled(empty, self.dims.iter().product())?;
         let rows = self.dims[1] * self.dims[2];
         let parts = self.control.parts(Work::Preparing, rows);
         for_each_row(&mut ranges, self.dims[0], &parts, row_of_bricks)?;

@@ -118,7 +118,7 @@ pub enum ErrorKind {
         most_bytes: u64,
     },
     /// Not enough memory for data that is really there.
-    #[error("no memory for {bytes} bytes of samples")]
+    #[error("no memory for {bytes} bytes of data")]
     NoMemory {
         /// Bytes asked for.
         bytes: u64,

@@ -1,6 +1,6 @@
 //! Label volumes with numbers in place of ids.
 
-use crate::{Cancelled, ContentId, Control, Key, LabelIds, LabelVolume};
+use crate::{ContentId, Control, Error, Key, LabelIds, LabelVolume, memory};
 use std::collections::BTreeSet;
 
 /// What a label volume holds, with the place of each id among all in place of the id: however large ids are,
@@ -36,8 +36,8 @@ impl LabelVolume {
     /// The numbers of its ids.
     ///
     /// # Errors
-    /// It was cancelled.
-    pub fn numbers_under(&self, control: &Control) -> Result<LabelNumbers, Cancelled> {
+    /// It was cancelled; no memory.
+    pub fn numbers_under(&self, control: &Control) -> Result<LabelNumbers, Error> {
         let (ids, numbers) = match self.ids() {
             LabelIds::U8(ids) => numbered(ids, control),
             LabelIds::U16(ids) => numbered(ids, control),
@@ -58,7 +58,7 @@ fn runs<T: PartialEq>(ids: &[T]) -> impl Iterator<Item = &[T]> {
 fn numbered<T: Copy + Into<u32> + PartialEq>(
     of_voxels: &[T],
     control: &Control,
-) -> Result<(Vec<u32>, LabelIds), Cancelled> {
+) -> Result<(Vec<u32>, LabelIds), Error> {
     let mut ids = BTreeSet::new();
     for part in of_voxels.chunks(PART) {
         control.check()?;
@@ -78,8 +78,8 @@ fn spread<T: Copy + Into<u32> + PartialEq, N: Copy>(
     ids: &[u32],
     control: &Control,
     narrow: impl Fn(usize) -> N,
-) -> Result<Vec<N>, Cancelled> {
-    let mut numbers = Vec::with_capacity(of_voxels.len());
+) -> Result<Vec<N>, Error> {
+    let mut numbers = memory::reserved(of_voxels.len())?;
     for part in of_voxels.chunks(PART) {
         control.check()?;
         for run in runs(part) {

@@ -1,6 +1,6 @@
 //! Label volumes: which object a voxel belongs to, with the objects' names and colors.
 
-use crate::{ContentId, Error, Grid, Metadata, Rescale, Samples, Volume};
+use crate::{ContentId, Error, Grid, Metadata, Rescale, Samples, Volume, memory};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, OnceLock};
 
@@ -149,16 +149,18 @@ impl LabelVolume {
     }
 
     /// A mask: 1 in the voxels with one of these `ids`, 0 elsewhere.
-    pub fn mask(&self, ids: &[u32]) -> Volume {
+    ///
+    /// # Errors
+    /// No memory.
+    pub fn mask(&self, ids: &[u32]) -> Result<Volume, Error> {
         let ids: BTreeSet<u32> = ids.iter().copied().collect();
         let samples = match &*self.ids {
             LabelIds::U8(s) => is_in(s, &ids),
             LabelIds::U16(s) => is_in(s, &ids),
             LabelIds::U32(s) => is_in(s, &ids),
         };
-        let samples = Samples::U8(samples);
+        let samples = Samples::U8(samples?);
         Volume::new(self.grid, samples, Rescale::IDENTITY, Metadata::default())
-            .expect("a sample for each voxel, as there is an id")
     }
 }
 
@@ -175,13 +177,16 @@ fn counted<T: Copy + Into<u32> + PartialEq>(ids: &[T]) -> BTreeMap<u32, u64> {
     counts
 }
 
-fn is_in<T: Copy + Into<u32> + PartialEq>(ids: &[T], asked: &BTreeSet<u32>) -> Vec<u8> {
-    let mut inside = Vec::with_capacity(ids.len());
+fn is_in<T: Copy + Into<u32> + PartialEq>(
+    ids: &[T],
+    asked: &BTreeSet<u32>,
+) -> Result<Vec<u8>, Error> {
+    let mut inside = memory::reserved(ids.len())?;
     for run in runs(ids) {
         let is_asked = asked.contains(&run[0].into());
         inside.resize(inside.len() + run.len(), u8::from(is_asked));
     }
-    inside
+    Ok(inside)
 }
 
 fn narrowest(grid: &Grid, samples: &Samples) -> Result<LabelIds, Error> {
@@ -231,7 +236,7 @@ mod tests {
             let counts = [(0, 1400), (1000, 800), (2000, 700), (3000, 700)];
             assert_eq!(labels.counts(), counts);
             for asked in [&[1000, 3000][..], &[0], &[7], &[]] {
-                let mask = labels.mask(asked);
+                let mask = labels.mask(asked).unwrap();
                 let inside = ids.iter().map(|id| u8::from(asked.contains(id))).collect();
                 assert_eq!(*mask.samples(), Samples::U8(inside), "{asked:?}");
                 assert_eq!(mask.grid(), labels.grid());

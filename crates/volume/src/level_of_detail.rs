@@ -1,7 +1,7 @@
 //! Coarser versions of a volume: mip levels, and steps between them (L. Williams 1983).
 
 use crate::rows::for_each_row;
-use crate::{Cancelled, Control, Error, Grid, Sample, Samples, Volume, Work, with_samples};
+use crate::{Control, Error, Grid, Sample, Samples, Volume, Work, memory, with_samples};
 use glam::{DAffine3, DVec3};
 
 impl Volume {
@@ -141,7 +141,7 @@ fn means<T: Sample>(
     finer: &[T],
     shares: &[Vec<Shares>; 3],
     control: &Control,
-) -> Result<Samples, Cancelled> {
+) -> Result<Samples, Error> {
     let [nx, ny, _] = dims;
     let [xs, ys, zs] = shares;
     let row = |row: usize, out: &mut [T]| {
@@ -173,7 +173,7 @@ fn mixed<T: Sample>(
     coarser: &Samples,
     fraction: f64,
     control: &Control,
-) -> Result<Samples, Cancelled> {
+) -> Result<Samples, Error> {
     let Some(coarser) = T::of(coarser) else {
         unreachable!("levels of a volume have its sample type");
     };
@@ -239,9 +239,8 @@ fn rows<T: Sample>(
     count: usize,
     control: &Control,
     row: impl Fn(usize, &mut [T]) + Sync,
-) -> Result<Samples, Cancelled> {
-    // (Zero in the bits, which the system hands out without writing it.)
-    let mut samples = vec![T::zeroed(); length * count];
+) -> Result<Samples, Error> {
+    let mut samples = memory::zeroed::<T>(length * count)?;
     for_each_row(
         &mut samples,
         length,

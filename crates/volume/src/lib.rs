@@ -34,6 +34,7 @@ mod label_numbers;
 mod labels;
 mod level_of_detail;
 mod made_labels;
+mod memory;
 mod mesh;
 mod prefilter;
 mod rescale;

@@ -1,8 +1,9 @@
 //! Label volumes that are made from other volumes: from masks, and from intervals of values.
 
-use crate::error::{Error, ErrorKind};
+use crate::error::Error;
 use crate::{
-    Control, Grid, Label, LabelVolume, Metadata, Rescale, Sample, Samples, Volume, with_samples,
+    Control, Grid, Label, LabelVolume, Metadata, Rescale, Sample, Samples, Volume, memory,
+    with_samples,
 };
 
 /// Most masks that one label volume is made of.
@@ -29,7 +30,7 @@ impl MergedMasks {
     /// # Errors
     /// The ids do not fit into memory.
     pub fn new(grid: &Grid) -> Result<MergedMasks, Error> {
-        let mut ids = reserved(grid.voxel_count())?;
+        let mut ids = memory::reserved(grid.voxel_count())?;
         ids.resize(grid.voxel_count(), 0);
         Ok(MergedMasks {
             grid: *grid,
@@ -96,15 +97,6 @@ impl MergedMasks {
         };
         Volume::new(self.grid, samples, Rescale::IDENTITY, metadata)
     }
-}
-
-fn reserved<T>(count: usize) -> Result<Vec<T>, Error> {
-    let mut list = Vec::new();
-    list.try_reserve_exact(count)
-        .map_err(|_| ErrorKind::NoMemory {
-            bytes: (count as u64).saturating_mul(size_of::<T>() as u64),
-        })?;
-    Ok(list)
 }
 
 /// Sets the id of the voxels in a mask. Returns how many had another one, or two different values
@@ -184,7 +176,7 @@ fn layers<T: Sample>(
     thresholds: &[f64],
     control: &Control,
 ) -> Result<Vec<u8>, Error> {
-    let mut ids = reserved(samples.len())?;
+    let mut ids = memory::reserved(samples.len())?;
     for part in samples.chunks(AT_ONCE) {
         control.check()?;
         ids.extend(part.iter().map(|sample| {

@@ -15,7 +15,7 @@
 use crate::rows::for_each_row;
 use crate::{
     Cancelled, ContentId, Control, Error, ErrorKind, Key, Metadata, Rescale, Sample, Samples,
-    Volume, Work, cores, with_samples,
+    Volume, Work, cores, memory, with_samples,
 };
 
 /// √3 − 2.
@@ -56,12 +56,7 @@ impl Volume {
             .into());
         }
         let count = self.samples().len();
-        let mut coefficients: Vec<f32> = Vec::new();
-        coefficients
-            .try_reserve_exact(count)
-            .map_err(|_| ErrorKind::NoMemory {
-                bytes: 4 * count as u64,
-            })?;
+        let mut coefficients: Vec<f32> = memory::reserved(count)?;
         if let Err(cancelled) = self.fill_with_coefficients(&mut coefficients, control) {
             cores::free(coefficients);
             return Err(cancelled.into());

@@ -1,7 +1,7 @@
 //! Work on parts of a slice, on all cores where there are threads.
 
-use crate::Cancelled;
 use crate::control::Parts;
+use crate::{Cancelled, Error};
 
 /// Has `of_row` work on each `length` numbers in a row of `numbers`, told which row it is, on all cores (feature
 /// `threads`), until `parts` are cancelled.
@@ -28,9 +28,9 @@ pub(crate) fn for_each_row<T: Send>(
 }
 
 /// What was made under [`Control::NONE`](crate::Control::NONE), which nobody cancels.
-pub(crate) fn made<T>(made: Result<T, Cancelled>) -> T {
-    match made {
-        Ok(made) => made,
-        Err(Cancelled) => unreachable!("nobody cancels Control::NONE"),
-    }
+///
+/// # Panics
+/// If there is no memory for it.
+pub(crate) fn made<T>(made: Result<T, Error>) -> T {
+    made.expect("memory for it, as nobody cancels")
 }

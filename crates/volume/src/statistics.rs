@@ -1,7 +1,7 @@
 //! Range and histogram of the values of a volume.
 
 use crate::rows::made;
-use crate::{Cancelled, Control, Rescale, Sample, SampleType, Samples, with_samples};
+use crate::{Cancelled, Control, Error, Rescale, Sample, SampleType, Samples, with_samples};
 use bytemuck::Pod;
 
 /// Range and histogram of the values (not of the stored numbers).
@@ -22,7 +22,7 @@ impl Statistics {
 
     /// Scans all samples, several times for types wider than 16 bits.
     pub fn of(samples: &Samples, rescale: Rescale) -> Statistics {
-        made(Statistics::under(samples, rescale, &Control::NONE))
+        made(Statistics::under(samples, rescale, &Control::NONE).map_err(Error::from))
     }
 
     /// The same under `control`.

@@ -1,18 +1,18 @@
 //! Volumes whose stored numbers are their values.
 
-use crate::{ContentId, Control, Error, Key, Metadata, Rescale, Samples, Volume};
+use crate::{ContentId, Control, Error, Key, Metadata, Rescale, Samples, Volume, memory};
 
 impl Volume {
     /// The values as stored numbers of f32 on the same grid, under `control`: what grows with the values where the
     /// stored numbers do not.
     ///
     /// # Errors
-    /// It was cancelled.
+    /// It was cancelled; no memory.
     pub fn values_under(&self, control: &Control) -> Result<Volume, Error> {
         // After so many somebody looks at the control.
         const PIECE: usize = 1 << 16;
         let number = self.grid().voxel_count();
-        let mut values = Vec::with_capacity(number);
+        let mut values = memory::reserved(number)?;
         for start in (0..number).step_by(PIECE) {
             control.check()?;
             let value = |i| self.rescale().value(self.samples().get(i)) as f32;

@@ -3,7 +3,7 @@
 use super::number::Interval;
 use super::solid::Point;
 use crate::rows::for_each_row;
-use crate::{Control, Error, ErrorKind, Grid, Work};
+use crate::{Control, Error, Grid, Work, memory};
 use glam::DVec3;
 
 /// Edge of a block in voxels, and thickness of the slab that one task fills.
@@ -30,12 +30,7 @@ pub fn fill<T: Copy + Send + Sync, S>(
 ) -> Result<Vec<T>, Error> {
     let [nx, ny, nz] = grid.dims();
     let count = grid.voxel_count();
-    let mut samples = Vec::new();
-    samples
-        .try_reserve_exact(count)
-        .map_err(|_| ErrorKind::NoMemory {
-            bytes: (count as u64).saturating_mul(size_of::<T>() as u64),
-        })?;
+    let mut samples = memory::reserved(count)?;
     while samples.len() < count {
         control.check()?;
         samples.resize(count.min(samples.len() + PIECE), nothing);

@@ -423,6 +423,14 @@ fn colors_that_are_not_read_are_named() {
     let mut set = color_image(3, 2, "YBR_FULL_422", 0);
     set.put(PIXELS, b"OB", &[0; 12]);
     assert!(message(&[("a.dcm", &set.file())]).contains("an even number"));
+    // The header of a frame of 12 bits with DCT (SOF1).
+    let twelve = [0xFF, 0xD8, 0xFF, 0xC1, 0, 11, 12, 0, 2, 0, 4, 1, 1, 0x11, 0];
+    let jpeg = packed("1.2.840.10008.1.2.4.51", &image(4, 2, &[]), &twelve);
+    let said = message(&[("a.dcm", &jpeg)]);
+    assert!(
+        said.contains("lossy JPEG of 12 bits") && said.contains("dcmdjpeg"),
+        "{said}"
+    );
     let set = color_image(4, 2, "RGB", 0);
     let jpeg_ls = packed("1.2.840.10008.1.2.4.80", &set, &[0; 64]);
     assert!(message(&[("a.dcm", &jpeg_ls)]).contains("color in JPEG-LS"));

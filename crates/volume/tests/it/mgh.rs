@@ -73,6 +73,7 @@ fn wrong_headers_are_refused() {
 fn formats_that_are_not_read_are_named() {
     for (name, bytes, tool) in [
         ("v.mnc", &b"CDF\x01\0\0\0\0"[..], "mnc2nii"),
+        ("w.mnc", b"\x89HDF\r\n\x1a\n\0\0", "mnc2nii"),
         ("v+orig.BRIK", b"\x05\x07\x09", "3dAFNItoNIFTI"),
         ("v.REC", b"\x05\x07\x09", "dcm2niix"),
         ("v.mif", b"mrtrix image\n", "mrconvert"),

@@ -95,9 +95,10 @@ impl Syntax {
             uids::JPEGLS_LOSSLESS | uids::JPEGLS_NEAR_LOSSLESS => packed(Packing::JpegLs),
             uids::JPEG2000_LOSSLESS | uids::JPEG2000 => packed(Packing::Jpeg2000),
             _ => {
+                let (name, instead) = unread(uid);
                 return Err(ErrorKind::Unsupported {
-                    feature: format!("the transfer syntax {}", name(uid)),
-                    instead: CONVERT.into(),
+                    feature: format!("the transfer syntax {name}{uid}"),
+                    instead: instead.into(),
                 }
                 .into());
             }
@@ -111,13 +112,49 @@ const EXPLICIT_VR_BIG_ENDIAN: &str = "1.2.840.10008.1.2.2";
 /// What to do with a file whose pixels are packed in a way that is not read.
 pub(super) const CONVERT: &str = "convert the files to an uncompressed syntax first, for example with `gdcmconv --raw IN OUT` or `dcmdjpeg IN OUT`";
 
-fn name(uid: &str) -> String {
-    let known = match uid.strip_prefix("1.2.840.10008.1.2.4.") {
-        Some("110" | "111" | "112") => "JPEG XL ",
-        Some("201" | "202" | "203") => "High-Throughput JPEG 2000 ",
-        Some("92" | "93") => "JPEG 2000 of several components ",
-        Some(video) if video.starts_with("10") => "video ",
-        _ => "",
-    };
-    format!("{known}{uid}")
+/// What a syntax is called that is not read, and which program decodes it.
+fn unread(uid: &str) -> (&'static str, &'static str) {
+    const PYDICOM: &str = "decode the files with pydicom and pylibjpeg-openjpeg: `ds = pydicom.dcmread(IN); ds.decompress(); ds.save_as(OUT)`";
+    const VIDEO: &str = "a video is no volume; `ffmpeg` decodes it to pictures";
+    match uid.strip_prefix("1.2.840.10008.1.2.4.") {
+        Some("110" | "111" | "112") => ("JPEG XL ", "ask the archive for another transfer syntax"),
+        Some("201" | "202" | "203") => ("High-Throughput JPEG 2000 ", PYDICOM),
+        Some("92" | "93") => ("JPEG 2000 of several components ", CONVERT),
+        Some(video) if video.starts_with("10") => ("video ", VIDEO),
+        _ => ("", CONVERT),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn syntaxes_that_are_not_read_are_named_with_what_decodes_them() {
+        for (uid, name, tool) in [
+            (
+                "1.2.840.10008.1.2.4.201",
+                "High-Throughput JPEG 2000",
+                "pylibjpeg-openjpeg",
+            ),
+            (
+                "1.2.840.10008.1.2.4.110",
+                "JPEG XL",
+                "another transfer syntax",
+            ),
+            ("1.2.840.10008.1.2.4.102", "video", "ffmpeg"),
+            (
+                "1.2.840.10008.1.2.4.54",
+                "1.2.840.10008.1.2.4.54",
+                "gdcmconv",
+            ),
+        ] {
+            let message = Syntax::of(uid).unwrap_err().to_string();
+            assert!(
+                message.contains(name) && message.contains(tool),
+                "{message}"
+            );
+            assert!(message.contains(uid), "{message}");
+        }
+    }
 }

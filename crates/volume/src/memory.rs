@@ -1,0 +1,64 @@
+//! Memory that may not be there: large vectors are asked for, and a system that has no room is an error.
+
+use crate::error::{Error, ErrorKind};
+use bytemuck::Zeroable;
+
+/// A vector with room for `count` elements.
+///
+/// # Errors
+/// [`ErrorKind::NoMemory`].
+pub(crate) fn reserved<T>(count: usize) -> Result<Vec<T>, Error> {
+    let mut list = Vec::new();
+    match list.try_reserve_exact(count) {
+        Ok(()) => Ok(list),
+        Err(_) => Err(no_memory::<T>(count)),
+    }
+}
+
+/// `count` times `value`.
+///
+/// # Errors
+/// [`ErrorKind::NoMemory`].
+pub(crate) fn filled<T: Clone>(value: T, count: usize) -> Result<Vec<T>, Error> {
+    let mut list = reserved(count)?;
+    list.resize(count, value);
+    Ok(list)
+}
+
+/// `count` zeros, which the system hands out without writing them.
+///
+/// # Errors
+/// [`ErrorKind::NoMemory`].
+pub(crate) fn zeroed<T: Zeroable>(count: usize) -> Result<Vec<T>, Error> {
+    bytemuck::allocation::try_zeroed_vec(count).map_err(|()| no_memory::<T>(count))
+}
+
+fn no_memory<T>(count: usize) -> Error {
+    ErrorKind::NoMemory {
+        bytes: (count as u64).saturating_mul(size_of::<T>() as u64),
+    }
+    .into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_no_system_has_is_an_error_with_its_number() {
+        let count = isize::MAX as usize / 8;
+        for error in [
+            reserved::<u64>(count).unwrap_err(),
+            filled(1u64, count).unwrap_err(),
+            zeroed::<u64>(count).unwrap_err(),
+        ] {
+            let message = error.to_string();
+            assert!(
+                message.contains(&(8 * count as u64).to_string()),
+                "{message}"
+            );
+        }
+        assert_eq!(filled(7, 3).unwrap(), [7, 7, 7]);
+        assert_eq!(zeroed::<u8>(2).unwrap(), [0, 0]);
+    }
+}
