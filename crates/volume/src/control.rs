@@ -1,6 +1,5 @@
 //! Long work: how far it is, and how it ends before it is done.
 
-use crate::error::{Error, ErrorKind, Remedy};
 use std::fmt;
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -21,6 +20,16 @@ pub enum Work {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("cancelled")]
 pub struct Cancelled;
+
+/// What is read needs more memory than its [`Control`] allows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("reading takes {bytes} bytes of memory or more; the limit is {most_bytes} bytes")]
+pub struct OverBudget {
+    /// What it takes, with what has been read before.
+    pub bytes: u64,
+    /// What it may take.
+    pub most_bytes: u64,
+}
 
 /// Is told how far work is.
 type Listener = dyn Fn(Work, f64) -> ControlFlow<()> + Send + Sync;
@@ -83,7 +92,7 @@ impl Control {
     }
 
     /// The same control of reading that takes at most so many bytes of memory, for all files that are read under it.
-    /// Beyond, readers give [`ErrorKind::OverBudget`]. Clones share what is left.
+    /// Beyond, readers give [`OverBudget`]. Clones share what is left.
     #[must_use]
     pub fn with_memory(&self, most_bytes: u64) -> Control {
         Control {
@@ -98,8 +107,8 @@ impl Control {
     /// Whether there is room for as many bytes beside those that are kept.
     ///
     /// # Errors
-    /// [`ErrorKind::OverBudget`].
-    pub(crate) fn has_room(&self, bytes: u64) -> Result<(), Error> {
+    /// There is not.
+    pub(crate) fn has_room(&self, bytes: u64) -> Result<(), OverBudget> {
         let Some(memory) = &self.memory else {
             return Ok(());
         };
@@ -110,8 +119,8 @@ impl Control {
     /// The same of bytes that stay.
     ///
     /// # Errors
-    /// [`ErrorKind::OverBudget`].
-    pub(crate) fn keep(&self, bytes: u64) -> Result<(), Error> {
+    /// There is not.
+    pub(crate) fn keep(&self, bytes: u64) -> Result<(), OverBudget> {
         let Some(memory) = &self.memory else {
             return Ok(());
         };
@@ -177,13 +186,10 @@ impl Control {
 }
 
 impl Memory {
-    fn check(&self, bytes: u64) -> Result<(), Error> {
-        match bytes > self.most_bytes {
-            true => Err(Error::from(ErrorKind::OverBudget {
-                bytes,
-                most_bytes: self.most_bytes,
-            })
-            .with_remedy(Remedy::Memory)),
+    fn check(&self, bytes: u64) -> Result<(), OverBudget> {
+        let most_bytes = self.most_bytes;
+        match bytes > most_bytes {
+            true => Err(OverBudget { bytes, most_bytes }),
             false => Ok(()),
         }
     }

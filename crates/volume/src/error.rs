@@ -1,6 +1,6 @@
 //! What can go wrong with stored data, in words that name the file, the field and what would be right.
 
-use crate::Cancelled;
+use crate::control::{Cancelled, OverBudget};
 use std::fmt;
 
 /// An error of this crate: what went wrong and, once a reader has said so, in which file.
@@ -110,13 +110,8 @@ pub enum ErrorKind {
     #[error("{0}")]
     Ambiguous(String),
     /// What is read needs more memory than whoever reads it allows.
-    #[error("reading takes {bytes} bytes of memory or more; the limit is {most_bytes} bytes")]
-    OverBudget {
-        /// What it takes, with what has been read before.
-        bytes: u64,
-        /// What it may take.
-        most_bytes: u64,
-    },
+    #[error(transparent)]
+    OverBudget(#[from] OverBudget),
     /// Not enough memory for data that is really there.
     #[error("no memory for {bytes} bytes of data")]
     NoMemory {
@@ -212,6 +207,12 @@ impl From<ErrorKind> for Error {
 impl From<Cancelled> for Error {
     fn from(cancelled: Cancelled) -> Error {
         ErrorKind::Cancelled(cancelled).into()
+    }
+}
+
+impl From<OverBudget> for Error {
+    fn from(over: OverBudget) -> Error {
+        Error::from(ErrorKind::OverBudget(over)).with_remedy(Remedy::Memory)
     }
 }
 

@@ -51,7 +51,7 @@ pub mod read;
 pub mod write;
 
 pub use content_id::ContentId;
-pub use control::{Cancelled, Control, Parts, Work};
+pub use control::{Cancelled, Control, OverBudget, Parts, Work};
 pub use datasets::Datasets;
 pub use error::{Error, ErrorKind, Remedy};
 pub use grid::{Grid, voxel_count};

@@ -94,11 +94,11 @@ impl Bytes for WatchedBytes<'_> {
     }
 
     fn has_room(&self, bytes: u64) -> Result<(), Error> {
-        self.watched.control.has_room(bytes)
+        Ok(self.watched.control.has_room(bytes)?)
     }
 
     fn keep(&self, bytes: u64) -> Result<(), Error> {
-        self.watched.control.keep(bytes)
+        Ok(self.watched.control.keep(bytes)?)
     }
 }
 

@@ -175,7 +175,7 @@ fn no_reader_takes_more_memory_than_it_may() {
             let read = read_within(bytes - 1, names, &input);
             let error = read.err().unwrap_or_else(|| panic!("{path:?} was read"));
             assert!(
-                matches!(error.kind(), ErrorKind::OverBudget { most_bytes, .. } if *most_bytes == bytes - 1),
+                matches!(error.kind(), ErrorKind::OverBudget(over) if over.most_bytes == bytes - 1),
                 "{path:?}: {error}"
             );
             assert_eq!(error.remedy(), Some(Remedy::Memory), "{path:?}");
