@@ -1,6 +1,8 @@
 """Colors, palettes, segmentations and structure sets: written by pydicom and tifffile, with pydicom, Pillow and NumPy as
 witnesses."""
 
+import itertools
+
 import numpy as np
 import pydicom
 import tifffile
@@ -32,9 +34,13 @@ def components(name, path, pixels):
         yield Case(f"color/{name}, {k}", [path], stored, flags=["--component", k])
 
 
+# A file alone stands for its whole series, so each has its own.
+SERIES = itertools.count(1)
+
+
 def color_file(photometric, planar, pixels):
     file = slice_file(
-        pixels[..., 0], "u8", "1.2.826.0.1.3680043.8.498.20", 1, ORIGIN, AXIAL,
+        pixels[..., 0], "u8", f"1.2.826.0.1.3680043.8.498.20.{next(SERIES)}", 1, ORIGIN, AXIAL,
         SamplesPerPixel=3, PhotometricInterpretation=photometric, PlanarConfiguration=planar,
         RescaleSlope=None, RescaleIntercept=None, RescaleType=None,
     )  # fmt: skip
@@ -55,6 +61,8 @@ def colors(folder):
                 witness = pydicom.dcmread(path).pixel_array
                 assert np.array_equal(witness, rgb)
                 yield from components(path.name, path, rgb[None])
+            if planar:
+                continue  # pydicom packs planes as if they were pixels
             path = folder / f"{photometric}-{planar}-rle.dcm"
             file = color_file(photometric, planar, pixels)
             file.compress(uid.RLELossless, generate_instance_uid=False)
@@ -82,7 +90,7 @@ def palettes(folder):
     for bits in (8, 16):
         tables = rng.integers(0, 1 << bits, (3, 256)).astype(f"u{bits // 8}")
         file = slice_file(
-            indices, "u8", "1.2.826.0.1.3680043.8.498.21", 1, ORIGIN, AXIAL,
+            indices, "u8", f"1.2.826.0.1.3680043.8.498.21.{bits}", 1, ORIGIN, AXIAL,
             PhotometricInterpretation="PALETTE COLOR",
             RescaleSlope=None, RescaleIntercept=None, RescaleType=None,
         )  # fmt: skip
