@@ -24,7 +24,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let [dark, bright] = [0.01, 0.98].map(|share| volume.statistics().quantile(share));
 
     // Half way up, seen from the feet as radiologists do: the patient's right is on the left, the face
-    // is on top. Places are in millimetres; the affine says which voxel lies there.
+    // is on top. Places are in millimeters; the affine says which voxel lies there.
     let size = hi - lo;
     let column_mm = size.x / COLUMNS as f64;
     // Characters are about twice as high as wide.

@@ -9,7 +9,7 @@ use strahl::{Color, ColorMap, Render, TransferFunction, TransferPoint, Volume};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     // 96 × 96 × 64 voxels, 0.5 mm apart, around the world's origin.
-    let grid = Grid::centred([96, 96, 64], DVec3::splat(0.5))?;
+    let grid = Grid::centered([96, 96, 64], DVec3::splat(0.5))?;
     let [nx, ny, nz] = grid.dims();
     let sources = [DVec3::new(-9.0, 0.0, 0.0), DVec3::new(9.0, 0.0, 0.0)];
     let mut samples = Vec::with_capacity(grid.voxel_count());

@@ -10,7 +10,7 @@ pub struct Agreement {
     /// Share of the pixels with a channel that is off by more than [`FAR`].
     pub far: f64,
     /// How many of those are not at a silhouette: where the first picture changes by more than
-    /// [`SILHOUETTE`] to a neighbour, a sample may fall on either side of an edge in single precision.
+    /// [`SILHOUETTE`] to a neighbor, a sample may fall on either side of an edge in single precision.
     pub far_outside_silhouettes: usize,
     /// The largest difference of a channel.
     pub most: f64,

@@ -17,18 +17,18 @@ pub fn transmittance_of_ramp(opacity: f64, reference_mm: f64, length_mm: f64) ->
 }
 
 /// The length in mm of the part of a ray (unit direction) in a sphere that lies before its origin.
-pub fn chord_in_sphere(origin: DVec3, direction: DVec3, centre: DVec3, radius: f64) -> f64 {
-    match sphere(origin, direction, centre, radius) {
+pub fn chord_in_sphere(origin: DVec3, direction: DVec3, center: DVec3, radius: f64) -> f64 {
+    match sphere(origin, direction, center, radius) {
         Some([enter, leave]) => (leave.max(0.0) - enter.max(0.0)).max(0.0),
         None => 0.0,
     }
 }
 
 /// Where a ray (unit direction) enters and leaves a sphere, in mm from its origin.
-pub fn sphere(origin: DVec3, direction: DVec3, centre: DVec3, radius: f64) -> Option<[f64; 2]> {
-    let to_centre = centre - origin;
-    let middle = to_centre.dot(direction);
-    let off_axis = (to_centre - middle * direction).length_squared();
+pub fn sphere(origin: DVec3, direction: DVec3, center: DVec3, radius: f64) -> Option<[f64; 2]> {
+    let to_center = center - origin;
+    let middle = to_center.dot(direction);
+    let off_axis = (to_center - middle * direction).length_squared();
     let half_squared = radius * radius - off_axis;
     (half_squared > 0.0).then(|| [middle - half_squared.sqrt(), middle + half_squared.sqrt()])
 }

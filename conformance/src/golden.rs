@@ -1,7 +1,7 @@
 //! Golden pictures: small PNG files that a person has looked at.
 //!
 //! They guard what the truth cannot: that a scene still means what it meant (camera, transfer function,
-//! colours), as the truth starts from the Plan. Stored as 8-bit sRGB with straight alpha, so that any
+//! colors), as the truth starts from the Plan. Stored as 8-bit sRGB with straight alpha, so that any
 //! viewer shows them.
 
 use std::error::Error;
@@ -75,11 +75,11 @@ impl Golden {
         Ok(writer.finish()?)
     }
 
-    /// The difference to `other` per pixel and channel, grey in the middle; `None` within [`TOLERANCE`].
+    /// The difference to `other` per pixel and channel, gray in the middle; `None` within [`TOLERANCE`].
     pub fn difference(&self, other: &Golden) -> Option<Golden> {
         let pixels = self.pixels.iter().zip(&other.pixels);
         let close = |(a, b): (&[u8; 4], &[u8; 4])| {
-            // The colour of what cannot be seen does not matter.
+            // The color of what cannot be seen does not matter.
             let invisible = a[3] <= TOLERANCE && b[3] <= TOLERANCE;
             invisible || a.iter().zip(b).all(|(a, b)| a.abs_diff(*b) <= TOLERANCE)
         };

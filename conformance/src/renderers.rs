@@ -69,7 +69,7 @@ impl Renderer {
         }
     }
 
-    /// How far a pixel may lie outside its [bounds](Renderer::bounds), as a share of the brightest colour
+    /// How far a pixel may lie outside its [bounds](Renderer::bounds), as a share of the brightest color
     /// that the Plan can give (at least 1): what is lost where the samples of a ray are added up. Where a texture unit
     /// interpolates, what it and the functions of the program may be off ([`twins`](crate::twins)).
     pub fn tolerance(&self, plan: &Plan) -> f64 {

@@ -87,7 +87,7 @@ pub fn covers(plan: &Plan) -> bool {
         && plan.field().fetch == Fetch::Stored
         && plan.lattice.frames == 1
         && plan.sampling == Sampling::Regular
-        && matches!(plan.lattice.jitter, Jitter::Centre | Jitter::Hash(_))
+        && matches!(plan.lattice.jitter, Jitter::Center | Jitter::Hash(_))
         && plan.field().reconstruct != Reconstruct::BSplineInterpolating
         && plan.technique().classify == Classify::Table
         && plan.field().gradient == GradientMethod::Central
@@ -417,24 +417,24 @@ impl<'p> Line<'p> {
                 hi: passes.hi * (1.0 - opacity.lo),
             };
             let doubt = if self.rounded { 1e-5 } else { 0.0 };
-            let colour = if opacity.hi > 0.0 {
-                self.light(self.place(sample.s)).colour(surface.colour)
+            let color = if opacity.hi > 0.0 {
+                self.light(self.place(sample.s)).color(surface.color)
             } else {
-                surface.colour
+                surface.color
             };
             let must_end = passes.hi + doubt < stop;
-            layers.push((opacity, colour, passes.lo - doubt < stop));
+            layers.push((opacity, color, passes.lo - doubt < stop));
             if must_end {
                 break;
             }
         }
         let behind_all = self.background();
         let mut pixel = behind_all;
-        for (i, (opacity, colour, may_end)) in layers.iter().enumerate().rev() {
+        for (i, (opacity, color, may_end)) in layers.iter().enumerate().rev() {
             if *may_end && i + 1 < layers.len() {
                 pixel = pixel.hull(behind_all);
             }
-            pixel = pixel.under(*opacity, *colour);
+            pixel = pixel.under(*opacity, *color);
         }
         pixel
     }
@@ -504,7 +504,7 @@ impl<'p> Line<'p> {
     /// A value of the ray as a pixel.
     fn classified(&self, value: Range) -> Bounds {
         let surface = classify(&self.plan.technique().table, value, self.rounded);
-        self.background().under(surface.opacity, surface.colour)
+        self.background().under(surface.opacity, surface.color)
     }
 
     fn or_nothing(&self, pixel: Option<Bounds>, may_be_nothing: bool) -> Bounds {
@@ -568,8 +568,8 @@ impl<'p> Line<'p> {
                     return None;
                 }
                 let surface = classify(&self.plan.technique().table, value.range, self.rounded);
-                let colour = self.light(place).colour(surface.colour);
-                Some(self.background().under(Range::exactly(1.0), colour))
+                let color = self.light(place).color(surface.color);
+                Some(self.background().under(Range::exactly(1.0), color))
             };
             let hit = places.into_iter().filter_map(surface).reduce(Bounds::hull);
             let Some(hit) = hit else { continue };

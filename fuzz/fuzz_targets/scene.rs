@@ -9,7 +9,7 @@ use strahl_volume::{Grid, Metadata, Modality, Rescale, Samples, Volume, VolumeHe
 
 static HEADERS: LazyLock<[VolumeHeader; 2]> = LazyLock::new(|| {
     let header = |samples, rescale, modality| {
-        let grid = Grid::centred([4, 3, 2], [0.5, 0.7, 2.0].into()).unwrap();
+        let grid = Grid::centered([4, 3, 2], [0.5, 0.7, 2.0].into()).unwrap();
         let metadata = Metadata {
             modality,
             ..Metadata::default()

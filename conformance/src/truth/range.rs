@@ -64,7 +64,7 @@ impl Range {
 pub struct Bounds(pub [Range; 4]);
 
 impl Bounds {
-    /// Every colour.
+    /// Every color.
     pub const ANYTHING: Bounds = Bounds(
         [Range {
             lo: f64::NEG_INFINITY,
@@ -72,22 +72,22 @@ impl Bounds {
         }; 4],
     );
 
-    /// One colour.
+    /// One color.
     pub fn exactly(rgba: [f64; 4]) -> Bounds {
         Bounds(rgba.map(Range::exactly))
     }
 
-    /// The colours of both and those between.
+    /// The colors of both and those between.
     pub fn hull(self, other: Bounds) -> Bounds {
         Bounds(std::array::from_fn(|c| self.0[c].hull(other.0[c])))
     }
 
-    /// A material of `opacity` with `colour` (not premultiplied) in front of this: the "over" rule.
-    pub fn under(self, opacity: Range, colour: [Range; 3]) -> Bounds {
+    /// A material of `opacity` with `color` (not premultiplied) in front of this: the "over" rule.
+    pub fn under(self, opacity: Range, color: [Range; 3]) -> Bounds {
         Bounds(std::array::from_fn(|c| {
-            let front = colour.get(c).copied().unwrap_or(Range::exactly(1.0));
+            let front = color.get(c).copied().unwrap_or(Range::exactly(1.0));
             let back = self.0[c];
-            // For one opacity a larger colour gives more; for one pair of colours the result is
+            // For one opacity a larger color gives more; for one pair of colors the result is
             // linear in the opacity, so that its ends are at ends.
             let over = |a: f64, front: f64, back: f64| a * front + (1.0 - a) * back;
             Range {

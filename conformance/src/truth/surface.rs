@@ -11,7 +11,7 @@ const HALF_ULP: f64 = 0.5 * f32::EPSILON as f64;
 /// Linear RGB (not premultiplied) and opacity per reference length.
 #[derive(Clone, Copy, Debug)]
 pub struct Surface {
-    pub colour: [Range; 3],
+    pub color: [Range; 3],
     pub opacity: Range,
 }
 
@@ -55,7 +55,7 @@ pub fn classify(table: &TransferTable, values: Range, rounded: bool) -> Surface 
     }
     let [r, g, b, a] = channels;
     Surface {
-        colour: [r, g, b],
+        color: [r, g, b],
         opacity: a.clamped_to_unit(),
     }
 }
@@ -74,7 +74,7 @@ pub fn opacity_of_length(opacity: Range, exponent: f64, rounded: bool) -> Range 
     }
 }
 
-/// How light changes a colour c: c·factor + highlight.
+/// How light changes a color c: c·factor + highlight.
 #[derive(Clone, Copy, Debug)]
 pub struct Lighting {
     pub factor: [Range; 3],
@@ -94,7 +94,7 @@ impl Lighting {
         }
     }
 
-    pub fn colour(self, surface: [Range; 3]) -> [Range; 3] {
+    pub fn color(self, surface: [Range; 3]) -> [Range; 3] {
         std::array::from_fn(|c| {
             let (factor, highlight) = (self.factor[c], self.highlight[c]);
             Range {

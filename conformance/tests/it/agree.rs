@@ -7,7 +7,7 @@ use strahl_scene::plan::{Illuminate, Plan, PlanLight, Shade};
 use strahl_scene::transfer::TransferTable;
 use strahl_volume::Volume;
 
-/// The brightest colour that a Plan can give, at least 1: tolerances are shares of it.
+/// The brightest color that a Plan can give, at least 1: tolerances are shares of it.
 fn brightest(plan: &Plan) -> f64 {
     let Shade::Lit {
         ambient,
@@ -127,7 +127,7 @@ struct Seen {
     not_background: usize,
     /// Scenes that show something, by what they have.
     subjects: BTreeMap<String, usize>,
-    /// How far a pixel lay outside, as a share of the brightest colour.
+    /// How far a pixel lay outside, as a share of the brightest color.
     worst: f64,
 }
 

@@ -175,7 +175,7 @@ fn of_several_volumes() {
         field.volume = 1;
         // As large as the first one, and a little beside it.
         let mut placed = volumes[0].grid().world_from_voxel();
-        placed.translation += 0.2 * (volumes[0].grid().centre_mm() - placed.translation);
+        placed.translation += 0.2 * (volumes[0].grid().center_mm() - placed.translation);
         field.grid = Grid::new(field.grid.dims(), placed).unwrap();
         field.is_moved = true;
         let mut technique = plan.technique().clone();

@@ -387,7 +387,7 @@ fn a_picture_can_be_cancelled_and_a_plan_of_other_data_is_refused() {
 #[test]
 fn the_last_half_voxel_is_seen_whatever_the_bricks() {
     for edge in [1, 2, 8, 9, 10, 16, 17, 18, 33] {
-        let grid = strahl_volume::Grid::centred([edge; 3], DVec3::ONE).unwrap();
+        let grid = strahl_volume::Grid::centered([edge; 3], DVec3::ONE).unwrap();
         let volume = crate::simple::volume(grid, |_| 1.0);
         let size = edge as f64;
         let mut plan = crate::simple::plan(

@@ -1,6 +1,6 @@
 //! Volumes at the edge of what there is: each gives a picture, and the right one.
 
-use crate::simple::{self, centred, draw, grey, of_samples, parallel, plan, value_shown};
+use crate::simple::{self, centered, draw, grey, of_samples, parallel, plan, value_shown};
 use glam::{DMat3, DVec3};
 use strahl_conformance::renderers;
 use strahl_scene::plan::Composite;
@@ -20,19 +20,19 @@ const SHOWING_VALUES: [Composite; 5] = [
 ];
 
 fn f64s(dims: [usize; 3], values: Vec<f64>) -> Volume {
-    of_samples(centred(dims, DMat3::IDENTITY), Samples::F64(values))
+    of_samples(centered(dims, DMat3::IDENTITY), Samples::F64(values))
 }
 
 #[test]
 fn scenes_of_every_method_resolve_and_draw_finite_pixels() {
     let volumes = [
-        of_samples(centred([1; 3], DMat3::IDENTITY), Samples::U8(vec![200])),
+        of_samples(centered([1; 3], DMat3::IDENTITY), Samples::U8(vec![200])),
         of_samples(
-            centred([1, 9, 1], DMat3::from_rotation_x(0.5)),
+            centered([1, 9, 1], DMat3::from_rotation_x(0.5)),
             Samples::I16((0..9).map(|i| i * 100 - 400).collect()),
         ),
         of_samples(
-            centred([2, 2, 1], DMat3::IDENTITY),
+            centered([2, 2, 1], DMat3::IDENTITY),
             Samples::U32(vec![0, 1, u32::MAX - 1, u32::MAX]),
         ),
         f64s([2, 2, 2], vec![f64::NAN; 8]),
@@ -103,7 +103,7 @@ fn what_is_not_finite_is_not_there() {
 fn large_whole_numbers_keep_what_single_precision_holds() {
     let largest = f64::from(u32::MAX);
     let volume = of_samples(
-        centred([2; 3], DMat3::IDENTITY),
+        centered([2; 3], DMat3::IDENTITY),
         Samples::U32(vec![u32::MAX; 8]),
     );
     let mut plan = plan(&volume, parallel(DVec3::Y, 9.0, 0.5), grey(0.0, largest));
@@ -115,7 +115,7 @@ fn large_whole_numbers_keep_what_single_precision_holds() {
 
 #[test]
 fn a_flat_volume_is_lit_as_if_unlit() {
-    let volume = of_samples(centred([4; 3], DMat3::IDENTITY), Samples::U8(vec![9; 64]));
+    let volume = of_samples(centered([4; 3], DMat3::IDENTITY), Samples::U8(vec![9; 64]));
     let mut flat = plan(&volume, parallel(DVec3::Y, 9.0, 1.0), grey(0.0, 18.0));
     let unlit = draw(&volume, &flat);
     flat.technique_mut().shade = simple::blinn_phong(0.1, 0.5, 0.9, 3.0);

@@ -2,7 +2,7 @@
 //! was cut off at a threshold. Otherwise speckle is lit there, and no two renderers agree on it.
 
 use crate::random::{Random, seeds};
-use crate::simple::{centred, of_samples, parallel, plan};
+use crate::simple::{centered, of_samples, parallel, plan};
 use glam::{DMat3, DVec3};
 use std::sync::atomic::{AtomicU64, Ordering};
 use strahl_conformance::agreement::agreement;
@@ -37,12 +37,12 @@ fn blocks(random: &mut Random, rescale: Rescale, of: impl Fn(u8) -> f32) -> Volu
     let labels: Vec<u8> = (0..27).map(|_| random.below(7) as u8).collect();
     let at = |i: usize| labels[i % EDGE / 8 + i / EDGE % EDGE / 8 * 3 + i / EDGE / EDGE / 8 * 9];
     let numbers = (0..EDGE * EDGE * EDGE).map(|i| of(at(i))).collect();
-    let grid = centred([EDGE; 3], DMat3::from_diagonal(DVec3::new(1.0, 1.1, 0.9)));
+    let grid = centered([EDGE; 3], DMat3::from_diagonal(DVec3::new(1.0, 1.1, 0.9)));
     Volume::new(grid, Samples::F32(numbers), rescale, Metadata::default()).unwrap()
 }
 
-/// Half opaque, of many colours, over these values.
-fn many_colours(domain: [f32; 2]) -> TransferTable {
+/// Half opaque, of many colors, over these values.
+fn many_colors(domain: [f32; 2]) -> TransferTable {
     let entries = (0..256).map(|i| {
         let v = i as f32 / 255.0;
         [1.0 - v, v, 0.5 + 0.5 * (9.0 * v).sin(), 0.3 + 0.6 * v]
@@ -79,7 +79,7 @@ fn renderers_agree_inside_of_labels() {
         ] {
             let volume = blocks(&mut random, rescale, |label| f32::from(label) * 9.7);
             let direction = random.direction();
-            let plan = lit(&volume, direction, many_colours(domain));
+            let plan = lit(&volume, direction, many_colors(domain));
             each_gradient(&plan, |name, plan| {
                 // It swings around every edge: nothing is flat.
                 if plan.field().reconstruct == Reconstruct::BSplineInterpolating {
@@ -109,11 +109,11 @@ fn renderers_agree_inside_of_labels() {
 #[test]
 fn equal_voxels_have_no_gradient() {
     for number in [0.1f32, 7.7, 1234.5, -3.3e-5] {
-        let grid = centred([6, 7, 8], DMat3::IDENTITY);
+        let grid = centered([6, 7, 8], DMat3::IDENTITY);
         let volume = of_samples(grid, Samples::F32(vec![number; 6 * 7 * 8]));
         let around = [number - 0.3 * number.abs(), number + 0.5 * number.abs()];
         let direction = DVec3::new(0.3, 0.7, -0.5);
-        let mut plan = lit(&volume, direction, many_colours(around));
+        let mut plan = lit(&volume, direction, many_colors(around));
         plan.technique_mut().composite = Composite::Debug(DebugView::GradientRaw);
         each_gradient(&plan, |name, plan| {
             // The third one is the second on a device.
@@ -131,12 +131,12 @@ fn equal_voxels_have_no_gradient() {
 /// What is not made by rounding is a gradient, however small: here ten times what would not count.
 #[test]
 fn small_gradients_are_gradients() {
-    let grid = centred([9; 3], DMat3::IDENTITY);
+    let grid = centered([9; 3], DMat3::IDENTITY);
     let of_rounding = 1.0 / f64::from(1u32 << 18);
     for (factor, is_lit) in [(10.0, true), (0.3, false)] {
         let volume = crate::simple::volume(grid, |place| 1.0 + factor * of_rounding * place.x);
         let domain = [0.5, 1.5];
-        let mut plan = lit(&volume, DVec3::Z, many_colours(domain));
+        let mut plan = lit(&volume, DVec3::Z, many_colors(domain));
         plan.technique_mut().composite = Composite::Debug(DebugView::Normal);
         for method in Function::of_slot("gradient") {
             plan.field_mut().gradient =

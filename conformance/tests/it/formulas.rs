@@ -1,7 +1,7 @@
 //! Functions against their formulas, in double precision: each renderer draws what the paper says, not only what the
 //! other renderers do.
 
-use crate::simple::{centred, cut_box, draw, of_samples, one_sample_at, parallel, plan, white};
+use crate::simple::{centered, cut_box, draw, of_samples, one_sample_at, parallel, plan, white};
 use glam::{DAffine3, DMat3, DVec3};
 use strahl_scene::plan::*;
 use strahl_scene::transfer::TransferTable;
@@ -12,7 +12,7 @@ fn column(numbers: &[f32]) -> Volume {
     let n = numbers.len();
     let numbers = numbers.iter().flat_map(|number| [*number; 4]);
     of_samples(
-        centred([2, 2, n], DMat3::IDENTITY),
+        centered([2, 2, n], DMat3::IDENTITY),
         Samples::F32(numbers.collect()),
     )
 }
@@ -106,15 +106,15 @@ fn mida_is_the_sum_of_the_paper() {
 #[test]
 fn clips_of_round_shapes_leave_their_chords() {
     let volume = of_samples(
-        centred([20; 3], DMat3::IDENTITY),
+        centered([20; 3], DMat3::IDENTITY),
         Samples::U8(vec![200; 8000]),
     );
-    // Axes of 6, 4 and 8 mm, the centre off the middle, turned.
+    // Axes of 6, 4 and 8 mm, the center off the middle, turned.
     let turned = DMat3::from_rotation_z(0.4) * DMat3::from_rotation_x(0.7);
-    let centre = DVec3::new(0.7, -0.4, 0.9);
+    let center = DVec3::new(0.7, -0.4, 0.9);
     let semi = DVec3::new(6.0, 4.0, 8.0);
     let world_from_unit =
-        DAffine3::from_mat3_translation(turned * DMat3::from_diagonal(2.0 * semi), centre);
+        DAffine3::from_mat3_translation(turned * DMat3::from_diagonal(2.0 * semi), center);
     for shape in [ClipShape::Ellipsoid, ClipShape::Cylinder, ClipShape::Box] {
         for keep_inside in [true, false] {
             let mut plan = plan(&volume, parallel(DVec3::Z, 60.0, 8.0), white(1.0, 1.0));
@@ -134,7 +134,7 @@ fn clips_of_round_shapes_leave_their_chords() {
                 let ray = plan.camera.ray(x, y, 15, 15);
                 let inside = |z: f64| {
                     let world = DVec3::new(ray.origin_mm.x, ray.origin_mm.y, z);
-                    let own = turned.transpose() * (world - centre) / semi;
+                    let own = turned.transpose() * (world - center) / semi;
                     match shape {
                         ClipShape::Ellipsoid => own.length() <= 1.0,
                         ClipShape::Cylinder => own.truncate().length() <= 1.0 && own.z.abs() <= 1.0,
@@ -155,7 +155,7 @@ fn clips_of_round_shapes_leave_their_chords() {
     }
 }
 
-/// Grey from black to white above a threshold, nothing up to it.
+/// Gray from black to white above a threshold, nothing up to it.
 #[test]
 fn thresholds_show_what_is_above_them() {
     for (value, expected) in [
@@ -189,7 +189,7 @@ fn thresholds_show_what_is_above_them() {
 #[test]
 fn two_sided_blinn_phong_has_absolute_products() {
     let normal = DVec3::new(0.3, -0.2, -0.9).normalize();
-    let grid = centred([12; 3], DMat3::IDENTITY);
+    let grid = centered([12; 3], DMat3::IDENTITY);
     let volume = crate::simple::volume(grid, |place| 50.0 + 10.0 * normal.dot(place));
     let eye = DVec3::new(0.1, 0.2, -1.0).normalize();
     // From the side of the eye, from behind, from behind with a half vector that points away, from along the surface.
@@ -237,7 +237,7 @@ fn two_sided_blinn_phong_has_absolute_products() {
 fn cook_torrance_is_d_times_f_times_g() {
     // A ramp whose gradient is the normal.
     let normal = DVec3::new(0.3, -0.2, -0.9).normalize();
-    let grid = centred([12; 3], DMat3::IDENTITY);
+    let grid = centered([12; 3], DMat3::IDENTITY);
     let volume = crate::simple::volume(grid, |place| 50.0 + 10.0 * normal.dot(place));
     let eye = DVec3::new(0.1, 0.2, -1.0).normalize();
     for to_light in [
@@ -302,7 +302,7 @@ fn cook_torrance_is_d_times_f_times_g() {
 /// Opacity times min(|gradient| / full, 1).
 #[test]
 fn gradient_opacity_is_opacity_times_the_gradient() {
-    let volume = crate::simple::volume(centred([12; 3], DMat3::IDENTITY), |place| 10.0 * place.y);
+    let volume = crate::simple::volume(centered([12; 3], DMat3::IDENTITY), |place| 10.0 * place.y);
     for (full_per_mm, share) in [(40.0f32, 0.25), (10.0, 1.0), (5.0, 1.0)] {
         let mut plan = plan(&volume, parallel(DVec3::Z, 40.0, 2.0), white(0.5, 1.0));
         plan.lattice.step_mm = 1.0;

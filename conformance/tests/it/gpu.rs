@@ -50,7 +50,7 @@ fn looks_the_same(what: &str, cpu: &Image, gpu: &Image) {
     );
     // Silhouettes: a sample that lies on the border of the extent or of a surface may fall on
     // either side of it in single precision. In a large picture one such pixel in 100,000 may look
-    // like none, as what is behind is nearly of its colour.
+    // like none, as what is behind is nearly of its color.
     let outside = d.far_outside_silhouettes * 100_000 / cpu.pixels().len();
     assert!(
         d.psnr_db >= 45.0 && d.far < 0.003 && outside == 0,
@@ -146,7 +146,7 @@ fn every_sample_type_looks_the_same() {
         Samples::F32((0..n).map(|i| field(i) as f32).collect()),
         Samples::F64((0..n).map(field).collect()),
     ];
-    let grid = Grid::centred(dims, DVec3::new(1.0, 0.75, 1.5)).unwrap();
+    let grid = Grid::centered(dims, DVec3::new(1.0, 0.75, 1.5)).unwrap();
     for samples in all {
         let what = format!("{:?}", samples.sample_type());
         let volume =
@@ -274,7 +274,7 @@ fn several_volumes_meshes_and_masks_look_the_same() {
 
 #[test]
 fn a_volume_beyond_the_largest_texture_looks_the_same() {
-    let grid = Grid::centred([150, 40, 70], DVec3::ONE).unwrap();
+    let grid = Grid::centered([150, 40, 70], DVec3::ONE).unwrap();
     let blob = blobs(
         grid,
         &[DVec3::new(-40.0, 0.0, 0.0), DVec3::new(50.0, 5.0, 20.0)],
@@ -308,7 +308,7 @@ fn a_volume_beyond_the_largest_texture_looks_the_same() {
 
 #[test]
 fn hits_are_as_far_away() {
-    let grid = Grid::centred([40; 3], DVec3::ONE).unwrap();
+    let grid = Grid::centered([40; 3], DVec3::ONE).unwrap();
     let ball = crate::simple::volume(grid, |p| 20.0 - p.length());
     let mut plan = crate::simple::plan(
         &ball,

@@ -2,7 +2,7 @@
 
 use crate::random::{Random, seeds};
 use crate::segments::labels;
-use crate::simple::{centred, parallel, plan, volume};
+use crate::simple::{centered, parallel, plan, volume};
 use crate::variants::draw;
 use glam::{DMat3, DVec3};
 use strahl_conformance::{device, truth};
@@ -69,9 +69,9 @@ const RED_TO_BLUE: [[f32; 4]; 2] = [[1.0, 0.0, 0.0, 0.05], [0.0, 0.0, 1.0, 0.4]]
 
 /// Segments 1 and 2 lie in turns along the ray.
 fn case(random: &mut Random) -> Case {
-    let grid = centred([9, 14, 8], DMat3::IDENTITY);
+    let grid = centered([9, 14, 8], DMat3::IDENTITY);
     let volume = volume(grid, |place| place.y);
-    let of_mask = centred(
+    let of_mask = centered(
         [5, 6, 4],
         random.rotation() * DMat3::from_diagonal(DVec3::new(2.3, 2.1, 3.0)),
     );
@@ -219,7 +219,7 @@ fn runs_are_as_important_as_their_most_important_place() {
             importance,
             ..SegmentLook::of(0)
         };
-        plan.layers[0].segments = Segments::Labelled(Box::new(Labelled {
+        plan.layers[0].segments = Segments::Labeled(Box::new(Labeled {
             labels: 0,
             grid: *labels.grid(),
             is_moved: false,

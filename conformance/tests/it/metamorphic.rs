@@ -1,7 +1,7 @@
 //! Pairs of scenes whose pictures must be the same, or mirrored.
 
 use crate::random::{Random, renderers_of, seeds};
-use crate::simple::{self, centred};
+use crate::simple::{self, centered};
 use glam::{DAffine3, DMat3, DVec3};
 use strahl_conformance::{renderers, truth};
 use strahl_scene::plan::*;
@@ -111,7 +111,7 @@ fn scaling_everything_by_a_power_of_two_changes_no_byte() {
 
 #[test]
 fn a_mirrored_volume_gives_a_mirrored_picture() {
-    let grid = centred([9, 11, 7], DMat3::from_diagonal(DVec3::new(1.0, 0.8, 1.3)));
+    let grid = centered([9, 11, 7], DMat3::from_diagonal(DVec3::new(1.0, 0.8, 1.3)));
     let field = |p: DVec3| (0.9 * p.x).sin() + 0.1 * p.x * p.y + (0.5 * p.z).cos();
     let volume = simple::volume(grid, field);
     let mirrored = simple::volume(grid, |p| field(p * DVec3::new(-1.0, 1.0, 1.0)));
@@ -152,7 +152,7 @@ fn a_mirrored_volume_gives_a_mirrored_picture() {
 
 #[test]
 fn an_opacity_of_twice_the_length_is_the_same_material() {
-    let grid = centred([10; 3], DMat3::IDENTITY);
+    let grid = centered([10; 3], DMat3::IDENTITY);
     let volume = simple::volume(grid, |p| 0.5 + 0.05 * p.x);
     let table = |reference_mm: f32, length: i32| {
         let entry = |i: usize| {

@@ -9,8 +9,8 @@ use strahl_volume::{Grid, Metadata, Modality, Rescale, Samples, Volume};
 /// A CT of air, 40³ voxels of 2 mm about (10, −20, 30) mm, with a block of 20 mm of 1000 HU towards `to`
 /// and one of 500 HU on the opposite side. `axes` are the directions in which voxels are stored.
 fn patient(to: DVec3, axes: DMat3) -> Volume {
-    let centre = DVec3::new(10.0, -20.0, 30.0);
-    let corner = centre - axes * DVec3::splat(39.0);
+    let center = DVec3::new(10.0, -20.0, 30.0);
+    let corner = center - axes * DVec3::splat(39.0);
     let world_from_voxel = DAffine3::from_mat3_translation(axes * 2.0, corner);
     let grid = Grid::new([40; 3], world_from_voxel).unwrap();
     let mut samples = Vec::new();
@@ -18,7 +18,7 @@ fn patient(to: DVec3, axes: DMat3) -> Volume {
         for y in 0..40 {
             for x in 0..40 {
                 let voxel = DVec3::new(f64::from(x), f64::from(y), f64::from(z));
-                let place = world_from_voxel.transform_point3(voxel) - centre;
+                let place = world_from_voxel.transform_point3(voxel) - center;
                 let near = |middle: DVec3| (place - middle).abs().max_element() < 10.0;
                 samples.push(match (near(26.0 * to), near(-26.0 * to)) {
                     (true, _) => 1000i16,

@@ -79,7 +79,7 @@ const WHOLE: [(Change, &str); 17] = [
     ),
 ];
 
-const LABELLED: [(Change, &str); 6] = [
+const LABELED: [(Change, &str); 6] = [
     (
         |plan| techniques(plan, Some(9)),
         "a layer asks for technique 9",
@@ -108,9 +108,9 @@ fn add_the_same(plan: &mut Plan) {
 
 /// The technique of a segment.
 fn techniques(plan: &mut Plan, technique: Option<usize>) {
-    if let Segments::Labelled(labelled) = &mut plan.layers[0].segments {
+    if let Segments::Labeled(labeled) = &mut plan.layers[0].segments {
         let look = technique.map_or(SegmentLook::HIDDEN, SegmentLook::of);
-        labelled.looks.insert(300, look);
+        labeled.looks.insert(300, look);
     }
 }
 
@@ -143,9 +143,9 @@ fn refused(data: &Datasets, plan: &Plan, expected: &str) {
 
 #[test]
 fn each_is_refused_by_name() {
-    let (volume, labels, labelled) = any_segments(&mut Random::new(7));
+    let (volume, labels, labeled) = any_segments(&mut Random::new(7));
     let data = data(&volume, &labels);
-    let mut whole = labelled.clone();
+    let mut whole = labeled.clone();
     whole.layers[0].segments = Segments::Whole { technique: 0 };
     whole.technique_mut().composite = Composite::EmissionAbsorption {
         stop_at_transmittance: 0.0,
@@ -155,8 +155,8 @@ fn each_is_refused_by_name() {
         change(&mut plan);
         refused(&data, &plan, expected);
     }
-    for (change, expected) in LABELLED {
-        let mut plan = labelled.clone();
+    for (change, expected) in LABELED {
+        let mut plan = labeled.clone();
         change(&mut plan);
         refused(&data, &plan, expected);
     }

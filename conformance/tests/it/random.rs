@@ -28,7 +28,7 @@ pub struct Random(u64);
 
 impl Random {
     pub fn new(seed: u64) -> Random {
-        // Seeds mixed once: neighbouring ones would give the same numbers, shifted by one.
+        // Seeds mixed once: neighboring ones would give the same numbers, shifted by one.
         Random(Random(seed).bits())
     }
 
@@ -125,7 +125,7 @@ impl Random {
         let broken = !sample_type.is_integer() && self.once_in(2);
         // Noise, blobs in emptiness (so that there is something to skip), a wave.
         let kind = self.below(3);
-        let centre: [f64; 3] = std::array::from_fn(|a| self.unit() * dims[a] as f64);
+        let center: [f64; 3] = std::array::from_fn(|a| self.unit() * dims[a] as f64);
         let wave = self.vector();
         let mut values = Vec::new();
         for z in 0..dims[2] {
@@ -135,7 +135,7 @@ impl Random {
                     let share = match kind {
                         0 => self.unit(),
                         1 => {
-                            let r = place.distance(DVec3::from_array(centre));
+                            let r = place.distance(DVec3::from_array(center));
                             (1.0 - r / 5.0).clamp(0.0, 1.0)
                         }
                         _ => 0.5 + 0.5 * place.dot(wave).sin(),
@@ -178,7 +178,7 @@ impl Random {
     fn camera(&mut self, grid: &Grid) -> PlanCamera {
         let (lo, hi) = grid.bounds_mm();
         let size = hi.distance(lo);
-        let target = grid.centre_mm() + self.vector() * 0.1 * size;
+        let target = grid.center_mm() + self.vector() * 0.1 * size;
         let axis_aligned = self.once_in(4);
         let forward = if axis_aligned {
             self.pick(&[DVec3::X, -DVec3::Y, DVec3::Z])
@@ -282,8 +282,8 @@ impl Random {
         let placed = |random: &mut Random, size: f64| {
             let edges = DVec3::from_array(std::array::from_fn(|_| random.between(0.2, size)));
             let axes = random.rotation() * DMat3::from_diagonal(edges * hi.distance(lo));
-            let centre = grid.centre_mm() + random.vector() * 0.3 * hi.distance(lo);
-            DAffine3::from_mat3_translation(axes, centre).inverse()
+            let center = grid.center_mm() + random.vector() * 0.3 * hi.distance(lo);
+            DAffine3::from_mat3_translation(axes, center).inverse()
         };
         let is_mask = self.once_in(2);
         let (shape, unit_from_world) = if is_mask {
@@ -333,7 +333,7 @@ impl Random {
                 // Outside the volume, and no brighter anywhere in it than its radiance.
                 let away_mm = self.between(0.7, 3.0) * size_mm;
                 PlanLight::Point {
-                    place_mm: grid.centre_mm() + away_mm * self.direction(),
+                    place_mm: grid.center_mm() + away_mm * self.direction(),
                     reach_mm: (away_mm - 0.5 * size_mm) as f32,
                     radiance: radiance(self),
                 }
@@ -397,7 +397,7 @@ impl Random {
         if self.once_in(5) {
             for _ in 0..1 + self.below(2) {
                 let normal = self.direction();
-                let through = grid.centre_mm() + self.vector() * 0.3 * size_mm;
+                let through = grid.center_mm() + self.vector() * 0.3 * size_mm;
                 ray_clips.push(simple::plane(normal, -normal.dot(through)));
             }
         }
@@ -405,9 +405,9 @@ impl Random {
             for _ in 0..1 + self.below(2) {
                 let edges = DVec3::from_array(std::array::from_fn(|_| self.between(0.2, 0.6)));
                 let axes = self.rotation() * DMat3::from_diagonal(edges * size_mm);
-                let centre = grid.centre_mm() + self.vector() * 0.2 * size_mm;
+                let center = grid.center_mm() + self.vector() * 0.2 * size_mm;
                 sample_clips.push(simple::cut_box(
-                    DAffine3::from_mat3_translation(axes, centre).inverse(),
+                    DAffine3::from_mat3_translation(axes, center).inverse(),
                     self.once_in(2),
                 ));
             }
@@ -416,7 +416,7 @@ impl Random {
         let reference_mm = step_mm * self.pick(&[0.2, 1.0, 2.0, 10.0]);
         let camera = self.camera(&grid);
         let jitter = match self.below(2) {
-            0 => Jitter::Centre,
+            0 => Jitter::Center,
             _ => Jitter::Hash(self.below(1 << 32) as u32),
         };
         let reconstruct = self.pick(&[

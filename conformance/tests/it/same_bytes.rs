@@ -100,7 +100,7 @@ fn on_random_scenes() {
         // Small noisy volumes have few empty bricks; blobs are surrounded by them.
         let is_blob = seed % 3 == 0;
         let volume = if is_blob {
-            let grid = crate::simple::centred([48; 3], random.rotation());
+            let grid = crate::simple::centered([48; 3], random.rotation());
             crate::variants::blobs(grid, &[random.direction() * 9.0], 5.0)
         } else {
             random.volume()
@@ -157,7 +157,7 @@ fn ties_and_peaks(random: &mut Random, dims: [usize; 3]) -> Volume {
     } else {
         Rescale::IDENTITY
     };
-    let grid = simple::centred(dims, DMat3::IDENTITY);
+    let grid = simple::centered(dims, DMat3::IDENTITY);
     Volume::new(grid, samples, rescale, Metadata::default()).unwrap()
 }
 

@@ -28,7 +28,7 @@ fn data() -> Datasets {
 }
 
 fn look(plan: &Plan, id: u32) -> SegmentLook {
-    plan.labelled().unwrap().look_of(id)
+    plan.labeled().unwrap().look_of(id)
 }
 
 #[test]

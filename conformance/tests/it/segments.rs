@@ -2,7 +2,7 @@
 
 use crate::graph::{on_gpu, twice_rendered};
 use crate::random::{Random, seeds};
-use crate::simple::{blinn_phong, centred, cut_box, of_samples, parallel, plan, white};
+use crate::simple::{blinn_phong, centered, cut_box, of_samples, parallel, plan, white};
 use crate::techniques::{any_technique, light, linked};
 use crate::variants::{any_variant, blobs, distance, draw, ramp};
 use glam::{DAffine3, DMat3, DVec3};
@@ -36,7 +36,7 @@ fn segmented(plan: &mut Plan, labels: &LabelVolume, techniques: &[(u32, Option<u
         let look = SegmentLook::HIDDEN;
         (*id, SegmentLook { technique, ..look })
     };
-    plan.layers[0].segments = Segments::Labelled(Box::new(Labelled {
+    plan.layers[0].segments = Segments::Labeled(Box::new(Labeled {
         labels: 0,
         grid: *labels.grid(),
         is_moved: false,
@@ -55,7 +55,7 @@ pub fn data(volume: &Volume, labels: &LabelVolume) -> Datasets {
 
 fn ball() -> Volume {
     blobs(
-        centred(
+        centered(
             [24, 22, 20],
             DMat3::from_diagonal(DVec3::new(1.0, 0.8, 1.2)),
         ),
@@ -196,7 +196,7 @@ fn a_hidden_segment_is_a_clip() {
 #[test]
 fn borders_lie_where_interpolated_membership_is_one_half() {
     let volume = ball();
-    let grid = centred([9, 8, 10], DMat3::from_diagonal(DVec3::new(3.0, 2.5, 2.7)));
+    let grid = centered([9, 8, 10], DMat3::from_diagonal(DVec3::new(3.0, 2.5, 2.7)));
     let balls = labels(grid, |place| 1 + u32::from(place.length() > 6.0));
     let mut plan = view(&volume);
     let mut clipped = plan.clone();
@@ -229,7 +229,7 @@ fn borders_lie_where_interpolated_membership_is_one_half() {
 /// Normals of a segment are those of its border, whatever the values are: a ball of one value is lit as a ball.
 #[test]
 fn gradients_of_a_segment_are_those_of_its_border() {
-    let grid = centred([24; 3], DMat3::IDENTITY);
+    let grid = centered([24; 3], DMat3::IDENTITY);
     let volume = of_samples(grid, Samples::U8(vec![5; 24 * 24 * 24]));
     let of_ball = labels(grid, |place| u32::from(place.length() < 9.0));
     let camera = parallel(DVec3::Y, 60.0, 12.0);
@@ -281,8 +281,8 @@ fn what_is_hidden_is_skipped_without_changing_a_byte() {
     for seed in seeds(48) {
         let mut random = Random::new(seed ^ 0x51D5);
         let (volume, labels, mut plan) = any_segments(&mut random);
-        if let Segments::Labelled(labelled) = &mut plan.layers[0].segments {
-            labelled
+        if let Segments::Labeled(labeled) = &mut plan.layers[0].segments {
+            labeled
                 .looks
                 .insert(random.pick(&[0, 300, 900]), SegmentLook::HIDDEN);
         }
@@ -307,7 +307,7 @@ fn what_is_hidden_is_skipped_without_changing_a_byte() {
 /// Nothing is hidden here; a technique shows the ball only, in segments that are large beside bricks.
 #[test]
 fn what_techniques_do_not_show_is_skipped_without_changing_a_byte() {
-    let grid = centred([40; 3], DMat3::IDENTITY);
+    let grid = centered([40; 3], DMat3::IDENTITY);
     let volume = blobs(
         grid,
         &[DVec3::new(-9.0, 3.0, 0.0), DVec3::new(8.0, -4.0, 5.0)],
@@ -355,11 +355,11 @@ fn skipped_and_whole(volume: &Volume, labels: &LabelVolume, plan: &Plan) -> [Ren
 }
 
 fn look_of(plan: &mut Plan, id: u32) -> &mut SegmentLook {
-    let Segments::Labelled(labelled) = &mut plan.layers[0].segments else {
+    let Segments::Labeled(labeled) = &mut plan.layers[0].segments else {
         panic!("a Plan with segments")
     };
-    let others = labelled.others;
-    labelled.looks.entry(id).or_insert(others)
+    let others = labeled.others;
+    labeled.looks.entry(id).or_insert(others)
 }
 
 /// A clip that takes nothing away.
@@ -371,12 +371,16 @@ fn everything() -> SampleClip {
 /// again in the second one.
 #[test]
 fn a_run_that_is_opaque_does_not_begin_again_in_its_segment() {
-    let grid = centred([40; 3], DMat3::IDENTITY);
+    let grid = centered([40; 3], DMat3::IDENTITY);
     let is_slab = |z: usize| (6..12).contains(&z) || (28..34).contains(&z);
     let samples = (0..40 * 1600).map(|i| if is_slab(i / 1600) { 200 } else { 0 });
     let volume = of_samples(grid, Samples::U8(samples.collect()));
     let one = labels(grid, |_| 1);
-    let mut plan = plan(&volume, parallel(DVec3::new(0.1, 0.05, 1.0), 60.0, 8.0), ramp());
+    let mut plan = plan(
+        &volume,
+        parallel(DVec3::new(0.1, 0.05, 1.0), 60.0, 8.0),
+        ramp(),
+    );
     plan.global_rule = GlobalRule::EmissionAbsorption {
         stop_at_transmittance: 1.0 / 256.0,
     };
@@ -467,7 +471,7 @@ fn which_numbers_ids_are_changes_nothing() {
 /// A volume of one value; a run of it by a projection has the opacity of its table, however long it is.
 #[test]
 fn runs_are_told_apart_by_segment_and_not_by_technique() {
-    let grid = centred([10; 3], DMat3::IDENTITY);
+    let grid = centered([10; 3], DMat3::IDENTITY);
     let volume = of_samples(grid, Samples::U8(vec![5; 1000]));
     let camera = parallel(DVec3::Z, 30.0, 3.0);
     let mut plan = plan(&volume, camera, white(0.5, 1.0));
@@ -511,7 +515,7 @@ fn through_slabs(
     looks: &[(u32, SegmentLook)],
     groups: &[SegmentGroup],
 ) -> Vec<[f32; 4]> {
-    let grid = centred([2, ids.len(), 2], DMat3::IDENTITY);
+    let grid = centered([2, ids.len(), 2], DMat3::IDENTITY);
     let values = Samples::F32(vec![0.5; grid.voxel_count()]);
     let volume = of_samples(grid, values);
     let first = 0.5 * (ids.len() as f64 - 1.0);
@@ -519,9 +523,9 @@ fn through_slabs(
     let mut plan = plan(&volume, parallel(DVec3::Y, 40.0, 0.5), white(0.5, 0.5));
     (plan.width, plan.height) = (1, 1);
     segmented(&mut plan, &slabs, &[]);
-    if let Segments::Labelled(labelled) = &mut plan.layers[0].segments {
-        labelled.looks = looks.iter().copied().collect();
-        labelled.groups = groups.to_vec();
+    if let Segments::Labeled(labeled) = &mut plan.layers[0].segments {
+        labeled.looks = looks.iter().copied().collect();
+        labeled.groups = groups.to_vec();
     }
     let data = data(&volume, &slabs);
     let here = Evaluator::new(data.clone()).render(&plan, &Control::NONE);
@@ -618,7 +622,7 @@ fn groups_add_up_among_themselves_before_they_meet_the_others() {
 #[test]
 fn context_is_kept_by_what_covers_a_sample_in_its_run_or_on_its_ray() {
     let (steepness, cut_depth, cut_sharpness, opacity) = (0.4f64, 2.0f64, 0.7f64, 0.5f64);
-    let grid = centred([6, 8, 6], DMat3::IDENTITY);
+    let grid = centered([6, 8, 6], DMat3::IDENTITY);
     let volume = crate::simple::volume(grid, |place| 0.5 + 0.1 * place.x);
     let slabs = labels(grid, |place| 1 + u32::from(place.y < 0.0));
     let mut seen = Vec::new();
@@ -734,7 +738,7 @@ pub fn any_segments(random: &mut Random) -> (Volume, LabelVolume, Plan) {
     }
     let grid = match random.once_in(2) {
         true => *volume.grid(),
-        false => centred(
+        false => centered(
             [9, 12, 10],
             random.rotation() * DMat3::from_diagonal(DVec3::splat(2.1)),
         ),
@@ -749,14 +753,14 @@ pub fn any_segments(random: &mut Random) -> (Volume, LabelVolume, Plan) {
         &labels,
         &[(0, Some(2)), (300, Some(1)), (600, None)],
     );
-    if let Segments::Labelled(labelled) = &mut plan.layers[0].segments {
-        let look = labelled.looks.get_mut(&300).unwrap();
+    if let Segments::Labeled(labeled) = &mut plan.layers[0].segments {
+        let look = labeled.looks.get_mut(&300).unwrap();
         look.tint = [1.0, 0.5, 0.25];
         look.opacity = random.pick(&[1.0, 0.6]);
         look.importance = random.pick(&[0.0, 2.0]);
-        labelled.others.tint = [0.2, 0.9, 0.4];
+        labeled.others.tint = [0.2, 0.9, 0.4];
         if random.once_in(2) {
-            labelled.groups = (0..2)
+            labeled.groups = (0..2)
                 .map(|_| SegmentGroup {
                     rule: random.pick(&ANY_RULE),
                     opacity: random.pick(&[1.0, 0.7]),
@@ -764,8 +768,8 @@ pub fn any_segments(random: &mut Random) -> (Volume, LabelVolume, Plan) {
                 })
                 .collect();
             let groups = [None, Some(0), Some(0), Some(1)];
-            labelled.others.group = random.pick(&groups);
-            for look in labelled.looks.values_mut() {
+            labeled.others.group = random.pick(&groups);
+            for look in labeled.looks.values_mut() {
                 look.group = random.pick(&groups);
             }
         }

@@ -1,4 +1,4 @@
-//! The modelled processor against the CPU renderer's picture in floating point: two programs that share no arithmetic.
+//! The modeled processor against the CPU renderer's picture in floating point: two programs that share no arithmetic.
 
 use glam::DVec3;
 use strahl_cpu::{Options, Renderer};
@@ -16,7 +16,7 @@ const PIXELS: u32 = 2 * EDGE as u32;
 const OPACITY: f64 = 0.3;
 
 /// From the front, one sample per voxel along y: the lattice of the Plan begins half a step behind the half voxel before
-/// the first centre, so its samples are the processor's.
+/// the first center, so its samples are the processor's.
 fn plan(volume: &Volume) -> Plan {
     let scene = format!(
         r##"{{ "size": [{PIXELS}, {PIXELS}], "method": "emission-absorption", "background": "black",
@@ -28,9 +28,9 @@ fn plan(volume: &Volume) -> Plan {
     let scene = Scene::parse("front", &scene).unwrap();
     let mut plan = resolve(&scene, &volume.header(), None).unwrap();
     let spacing = volume.grid().spacing_mm();
-    let centre = volume.grid().centre_mm();
+    let center = volume.grid().center_mm();
     plan.lattice.step_mm = spacing.y;
-    plan.camera.eye_mm = centre - DVec3::Y * 10.0 * spacing.y * EDGE as f64;
+    plan.camera.eye_mm = center - DVec3::Y * 10.0 * spacing.y * EDGE as f64;
     plan.camera.forward = DVec3::Y;
     plan.camera.right = DVec3::X;
     plan.camera.up = DVec3::Z;
@@ -62,7 +62,7 @@ fn words_of_the_document_cost_what_their_bits_say() {
     let drawn = Renderer::new(&volume)
         .render(&plan(&volume), &Options::default(), &Control::NONE)
         .unwrap();
-    // The outermost pixels lie before the centres of the first voxels: the renderer clamps there, the processor sends no ray.
+    // The outermost pixels lie before the centers of the first voxels: the renderer clamps there, the processor sends no ray.
     let inner = |i: usize| {
         let (x, y) = (i % PIXELS as usize, i / PIXELS as usize);
         [x, y].iter().all(|c| (1..PIXELS as usize - 1).contains(c))

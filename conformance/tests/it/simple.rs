@@ -27,8 +27,8 @@ pub fn of_samples(grid: Grid, samples: Samples) -> Volume {
     Volume::new(grid, samples, Rescale::IDENTITY, Metadata::default()).unwrap()
 }
 
-/// A grid with its centre at the origin.
-pub fn centred(dims: [usize; 3], axes: DMat3) -> Grid {
+/// A grid with its center at the origin.
+pub fn centered(dims: [usize; 3], axes: DMat3) -> Grid {
     let last = DVec3::from_array(dims.map(|n| n as f64 - 1.0));
     Grid::new(
         dims,
@@ -46,10 +46,10 @@ pub fn grids() -> Vec<Grid> {
         DVec3::new(-0.3, 0.5, 0.9),
     );
     vec![
-        centred([12, 12, 12], DMat3::IDENTITY),
-        centred([20, 9, 7], DMat3::from_diagonal(DVec3::new(0.5, 1.3, -2.1))),
-        centred([12, 10, 8], turned),
-        centred([9, 12, 11], turned * sheared),
+        centered([12, 12, 12], DMat3::IDENTITY),
+        centered([20, 9, 7], DMat3::from_diagonal(DVec3::new(0.5, 1.3, -2.1))),
+        centered([12, 10, 8], turned),
+        centered([9, 12, 11], turned * sheared),
     ]
 }
 
@@ -131,7 +131,7 @@ pub fn plan(volume: &Volume, camera: PlanCamera, table: TransferTable) -> Plan {
         meshes: Vec::new(),
         lattice: Lattice {
             step_mm: 0.5 * volume.grid().min_spacing_mm(),
-            jitter: Jitter::Centre,
+            jitter: Jitter::Center,
             frames: 1,
         },
         sampling: Sampling::Regular,
@@ -188,7 +188,7 @@ pub fn one_sample_at(plan: &mut Plan, distance_mm: f64) {
     ];
 }
 
-/// Every pixel of every renderer that can draw it: name, column, row, colour.
+/// Every pixel of every renderer that can draw it: name, column, row, color.
 pub fn draw(volume: &Volume, plan: &Plan) -> Vec<(Renderer, u32, u32, [f32; 4])> {
     draw_by(&renderers(), volume, plan)
 }

@@ -1,6 +1,6 @@
 //! Emission and absorption against closed forms.
 
-use crate::simple::{self, centred, draw, from_eye, grids, parallel, plan, white};
+use crate::simple::{self, centered, draw, from_eye, grids, parallel, plan, white};
 use glam::{DMat3, DVec3};
 use strahl_conformance::{closed_form, renderers, truth};
 use strahl_scene::plan::Plan;
@@ -23,7 +23,7 @@ fn check(volume: &Volume, plan: &Plan, opacity: f64, length_mm: impl Fn(DVec3, D
             (found - expected).abs() < TOLERANCE + lost,
             "{renderer}, column {x}, row {y}: {found} instead of {expected} through {length} mm of {opacity}"
         );
-        // White, premultiplied: the colour is the opacity.
+        // White, premultiplied: the color is the opacity.
         assert!(pixel[..3].iter().all(|c| (c - pixel[3]).abs() < 1e-5));
     }
 }
@@ -60,7 +60,7 @@ fn a_slab_of_any_grid_seen_from_anywhere_passes_the_closed_form() {
 
 #[test]
 fn opacity_correction_makes_the_slab_independent_of_the_step() {
-    let grid = centred([16; 3], DMat3::IDENTITY);
+    let grid = centered([16; 3], DMat3::IDENTITY);
     let slab = simple::volume(grid, |_| 0.5);
     for opacity in [0.02, 0.2, 0.7] {
         let expected = closed_form::transmittance(f64::from(opacity as f32), 5.0, 16.0);
@@ -82,9 +82,9 @@ fn opacity_correction_makes_the_slab_independent_of_the_step() {
 
 #[test]
 fn a_sphere_passes_the_closed_form() {
-    // Distance from the centre in voxels: trilinear errors are below 1/(4r), 0.004 voxels here.
+    // Distance from the center in voxels: trilinear errors are below 1/(4r), 0.004 voxels here.
     const RADIUS: f64 = 66.0;
-    let grid = centred([140; 3], DMat3::from_diagonal(DVec3::splat(0.25)));
+    let grid = centered([140; 3], DMat3::from_diagonal(DVec3::splat(0.25)));
     let distance = simple::volume(grid, |p| p.length() * 4.0);
     let radius_mm = RADIUS * 0.25;
     for (opacity, camera) in [
@@ -129,7 +129,7 @@ fn planes_and_boxes_cut_what_they_say() {
 
         // A turned box, kept inside and kept outside; as a grid of one voxel it has a chord.
         let axes = DMat3::from_rotation_y(0.5) * DMat3::from_diagonal(DVec3::new(3.0, 4.0, 2.5));
-        let cut = centred([1; 3], axes);
+        let cut = centered([1; 3], axes);
         let of_box = |origin, direction| closed_form::chord_in_grid(origin, direction, &cut);
         for keep_inside in [true, false] {
             let mut plan = plan(&slab, camera, table());
@@ -150,8 +150,8 @@ fn planes_and_boxes_cut_what_they_say() {
 #[test]
 fn halving_the_step_quarters_the_error() {
     // Samples in the middle of their steps: the midpoint rule, of order 2, for what passes. Within a
-    // step colour and opacity are constant, and what an error of the colour weighs is again of order 2.
-    let grid = centred([20; 3], DMat3::IDENTITY);
+    // step color and opacity are constant, and what an error of the color weighs is again of order 2.
+    let grid = centered([20; 3], DMat3::IDENTITY);
     let ramp = simple::volume(grid, |p| (p.y + 8.0) / 16.0);
     let opaque = f64::from(0.9f32);
     let entries = vec![[1.0, 0.2, 0.0, 0.0], [0.0, 0.6, 1.0, 0.9]];
@@ -212,7 +212,7 @@ fn ending_early_costs_no_more_than_the_light_that_still_passed() {
             drawn += 1;
             ended += usize::from(full.3 != early.3);
             for (a, b) in full.3.iter().zip(early.3) {
-                // Colours and background are at most 1.
+                // Colors and background are at most 1.
                 assert!((a - b).abs() <= stop + 1e-6, "{full:?} {early:?}");
             }
         }

@@ -6,7 +6,7 @@
 
 use crate::parameters::random_values;
 use crate::random::{Random, seeds};
-use crate::simple::{centred, cut_box, of_samples, one_sample_at, parallel, plan, plane};
+use crate::simple::{centered, cut_box, of_samples, one_sample_at, parallel, plan, plane};
 use crate::variants::wall;
 use glam::{DAffine3, DMat3, DVec3};
 use strahl_conformance::device;
@@ -67,10 +67,10 @@ fn noise(random: &mut Random) -> Volume {
     let n = DIMS.iter().product::<usize>();
     let samples = Samples::U8((0..n).map(|_| random.below(256) as u8).collect());
     let axes = DMat3::from_diagonal(DVec3::new(1.0, 1.2, 0.9));
-    of_samples(centred(DIMS, axes), samples)
+    of_samples(centered(DIMS, axes), samples)
 }
 
-/// Smooth in colour and opacity.
+/// Smooth in color and opacity.
 fn soft(random: &mut Random, is_opaque: bool) -> TransferTable {
     let (a, b) = (random.unit() as f32, random.unit() as f32);
     let entries = (0..64).map(|i| {
@@ -131,7 +131,7 @@ fn of_segments(case: &mut Case, random: &mut Random) {
         illuminate: Illuminate::Lambert { diffuse: 0.8 },
         keep_last_normal: false,
     };
-    plan.layers[0].segments = Segments::Labelled(Box::new(Labelled {
+    plan.layers[0].segments = Segments::Labeled(Box::new(Labeled {
         labels: 0,
         grid: *labels.grid(),
         is_moved: false,

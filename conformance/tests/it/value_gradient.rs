@@ -59,7 +59,7 @@ fn expected(table: &TransferTable, value: f64, share: f64) -> [f64; 4] {
 
 #[test]
 fn a_sample_has_the_color_of_its_value_and_its_gradient_magnitude() {
-    let grid = crate::simple::centred(
+    let grid = crate::simple::centered(
         [14, 13, 12],
         DMat3::from_diagonal(DVec3::new(0.9, 1.1, 1.3)),
     );
@@ -93,7 +93,7 @@ fn a_sample_has_the_color_of_its_value_and_its_gradient_magnitude() {
 #[test]
 fn what_regions_leave_out_is_skipped_without_changing_a_byte() {
     let volume = variants::blobs(
-        crate::simple::centred([40, 36, 44], DMat3::IDENTITY),
+        crate::simple::centered([40, 36, 44], DMat3::IDENTITY),
         &[DVec3::new(8.0, 1.0, -9.0)],
         6.0,
     );

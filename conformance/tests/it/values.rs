@@ -2,7 +2,7 @@
 
 use crate::random::{Random, renderers_of, seeds};
 use crate::simple::{
-    self, centred, draw, draw_by, grey, grids, one_sample_at, parallel, plan, value_shown,
+    self, centered, draw, draw_by, grey, grids, one_sample_at, parallel, plan, value_shown,
 };
 use glam::{DMat3, DVec3};
 use strahl_conformance::{closed_form, truth};
@@ -103,7 +103,7 @@ fn values_and_gradients_of_marschner_lobb_converge_with_order_two() {
     let mut errors = Vec::new();
     for voxels_per_mm in [2.0, 4.0, 8.0] {
         let edge = (8.0 * voxels_per_mm) as usize + 1;
-        let grid = centred(
+        let grid = centered(
             [edge; 3],
             DMat3::from_diagonal(DVec3::splat(1.0 / voxels_per_mm)),
         );
@@ -128,16 +128,16 @@ fn values_and_gradients_of_marschner_lobb_converge_with_order_two() {
 }
 
 #[test]
-fn nearest_takes_the_voxel_whose_centre_is_nearest() {
-    let grid = centred([6, 5, 4], DMat3::from_rotation_z(0.3));
+fn nearest_takes_the_voxel_whose_center_is_nearest() {
+    let grid = centered([6, 5, 4], DMat3::from_rotation_z(0.3));
     let ramp = simple::volume(grid, |p| p.x + 7.0 * p.y);
     let view = parallel(DVec3::new(0.1, -0.9, 0.2), 50.0, 1.4);
     let mut plan = plan(&ramp, view, opaque_white());
     plan.field_mut().reconstruct = Reconstruct::Nearest;
     let worst = worst_value(&ramp, plan, -40.0, 40.0, |p| {
         let voxel = grid.voxel_from_world().transform_point3(p).round();
-        let centre = grid.world_from_voxel().transform_point3(voxel);
-        centre.x + 7.0 * centre.y
+        let center = grid.world_from_voxel().transform_point3(voxel);
+        center.x + 7.0 * center.y
     });
     assert!(worst < 5e-5, "{worst}");
 }
@@ -145,7 +145,7 @@ fn nearest_takes_the_voxel_whose_centre_is_nearest() {
 #[test]
 fn projections_of_analytic_fields_are_what_they_must_be() {
     // Linear along the view: the extremes lie at the outermost samples, the mean in the middle.
-    let grid = centred([16; 3], DMat3::IDENTITY);
+    let grid = centered([16; 3], DMat3::IDENTITY);
     let linear = simple::volume(grid, |p| 3.0 * p.y + p.x);
     let view = parallel(DVec3::Y, 30.0, 5.0);
     for (composite, y_mm) in [
@@ -155,7 +155,7 @@ fn projections_of_analytic_fields_are_what_they_must_be() {
     ] {
         let mut plan = plan(&linear, view, grey(-40.0, 40.0));
         plan.technique_mut().composite = composite;
-        // A sample in each half voxel beyond the outermost centres, where the value stays the same.
+        // A sample in each half voxel beyond the outermost centers, where the value stays the same.
         plan.lattice.step_mm = 0.5;
         for (name, x, y, pixel) in draw(&linear, &plan) {
             let across = truth::ray(&plan, x, y).0.x;
@@ -168,7 +168,7 @@ fn projections_of_analytic_fields_are_what_they_must_be() {
     }
     // The distance from a point: its minimum along a ray is the ray's own distance. Trilinear errors are
     // below 1/(4r), the sampling error below (step/2)²/2r.
-    let grid = centred([40; 3], DMat3::IDENTITY);
+    let grid = centered([40; 3], DMat3::IDENTITY);
     let distance = simple::volume(grid, DVec3::length);
     let mut plan = plan(
         &distance,
@@ -187,12 +187,12 @@ fn projections_of_analytic_fields_are_what_they_must_be() {
         );
     }
     // The mean of the square over ±10 mm is 100/3, and 1/6 more by trilinear interpolation.
-    let grid = centred([24; 3], DMat3::IDENTITY);
+    let grid = centered([24; 3], DMat3::IDENTITY);
     let square = simple::volume(grid, |p| p.y * p.y);
     let mut plan = simple::plan(&square, parallel(DVec3::Y, 60.0, 9.0), grey(0.0, 100.0));
     plan.technique_mut().composite = Composite::Average;
     plan.lattice.step_mm = 1.0 / 16.0;
-    let box_of = centred([1; 3], DMat3::from_diagonal(DVec3::new(60.0, 19.0, 60.0)));
+    let box_of = centered([1; 3], DMat3::from_diagonal(DVec3::new(60.0, 19.0, 60.0)));
     plan.sample_clips = vec![simple::cut_box(box_of.voxel_from_world(), true)];
     for (name, _, _, pixel) in draw(&square, &plan) {
         let expected = 9.5f64 * 9.5 / 3.0 + 1.0 / 6.0;
@@ -206,7 +206,7 @@ fn projections_of_analytic_fields_are_what_they_must_be() {
 
 /// The hits of a sphere of 14 mm about the origin, at steps of 3 mm.
 fn sphere_hits(camera: strahl_scene::plan::PlanCamera) -> (Volume, Plan) {
-    let grid = centred([80; 3], DMat3::from_diagonal(DVec3::splat(0.5)));
+    let grid = centered([80; 3], DMat3::from_diagonal(DVec3::splat(0.5)));
     let depth = simple::volume(grid, |p| 14.0 - p.length());
     let mut plan = plan(&depth, camera, opaque_white());
     plan.technique_mut().composite = Composite::FirstHit { threshold: 0.0 };
@@ -250,7 +250,7 @@ fn a_ray_that_starts_inside_hits_where_it_starts() {
 fn a_hit_on_the_face_of_a_box_shows_the_value_there() {
     let (depth, mut plan) = sphere_hits(parallel(DVec3::Y, 40.0, 5.0));
     plan.technique_mut().table = grey(0.0, 14.0);
-    let half = centred([1; 3], DMat3::from_diagonal(DVec3::new(100.0, 4.0, 100.0)));
+    let half = centered([1; 3], DMat3::from_diagonal(DVec3::new(100.0, 4.0, 100.0)));
     plan.sample_clips = vec![simple::cut_box(half.voxel_from_world(), true)];
     for (name, x, y, pixel) in draw(&depth, &plan) {
         let (origin, _) = truth::ray(&plan, x, y);
@@ -265,7 +265,7 @@ fn a_hit_on_the_face_of_a_box_shows_the_value_there() {
 
 #[test]
 fn a_stored_number_equal_to_the_threshold_is_hit() {
-    let grid = centred([3; 3], DMat3::IDENTITY);
+    let grid = centered([3; 3], DMat3::IDENTITY);
     for stored in [7u8, 8, 9] {
         let volume = simple::of_samples(grid, Samples::U8(vec![stored; 27]));
         let mut plan = plan(&volume, parallel(DVec3::Y, 9.0, 1.0), opaque_white());
@@ -279,11 +279,11 @@ fn a_stored_number_equal_to_the_threshold_is_hit() {
 
 #[test]
 fn peaks_one_stored_number_wide_are_seen() {
-    // 12-bit data, one number of which is opaque: a voxel of it shows, its neighbours do not.
+    // 12-bit data, one number of which is opaque: a voxel of it shows, its neighbors do not.
     let mut entries = vec![[0.0; 4]; 4096];
     entries[1234] = [1.0, 0.5, 0.25, 1.0];
     let table = TransferTable::new([0.0, 4095.0], 1.0, entries);
-    let grid = centred([3, 1, 1], DMat3::IDENTITY);
+    let grid = centered([3, 1, 1], DMat3::IDENTITY);
     let volume = simple::of_samples(grid, Samples::U16(vec![1233, 1234, 1235]));
     let mut plan = plan(&volume, parallel(DVec3::Y, 9.0, 0.5), table);
     (plan.width, plan.height) = (3, 1);
@@ -319,8 +319,8 @@ fn peeled(entries: &[[f32; 4]], layer: u32, opaque_above: f32, clear_below: f32)
 
 #[test]
 fn peeled_layers_are_those_of_the_samples_one_by_one() {
-    // Lattice points are voxel centres, and their values 0 to 31: each sample is an entry of the table.
-    let ramp = simple::volume(centred([2, 32, 2], DMat3::IDENTITY), |p| p.y + 15.5);
+    // Lattice points are voxel centers, and their values 0 to 31: each sample is an entry of the table.
+    let ramp = simple::volume(centered([2, 32, 2], DMat3::IDENTITY), |p| p.y + 15.5);
     let mut layers_seen = [0; 4];
     for seed in seeds(300) {
         let mut random = Random::new(seed ^ 0x9EE1);
@@ -360,7 +360,7 @@ const RECONSTRUCTIONS: [Reconstruct; 4] = [
 
 /// A column of six voxels along y, with 1 in all but those that `without` names.
 fn column(without: impl Fn(usize) -> bool, instead: f32) -> Volume {
-    let grid = centred([3, 6, 3], DMat3::IDENTITY);
+    let grid = centered([3, 6, 3], DMat3::IDENTITY);
     let value = |i: usize| if without(i / 3 % 6) { instead } else { 1.0 };
     simple::of_samples(grid, Samples::F32((0..54).map(value).collect()))
 }
@@ -423,7 +423,7 @@ fn is_unlit(what: &str, volume: &Volume, mut plan: Plan) {
 fn constant_parts_have_no_normal() {
     // From places whose parts of a voxel have no short binary fractions, at samples that lie anywhere.
     let view = simple::from_eye(parallel(DVec3::new(0.3, 0.9, -0.2), 30.0, 1.0), 0.05);
-    let grid = centred([7; 3], DMat3::from_diagonal(DVec3::new(0.9, 1.1, 0.7)));
+    let grid = centered([7; 3], DMat3::from_diagonal(DVec3::new(0.9, 1.1, 0.7)));
     let surface = |volume: &Volume, table| {
         let mut plan = plan(volume, view, table);
         plan.technique_mut().composite = Composite::FirstHit { threshold: -1e6 };

@@ -4,7 +4,7 @@
 use crate::parameters::random_values;
 use crate::random::{Random, seeds};
 use crate::simple::{
-    blinn_phong, centred, cut_box, grey, grids, of_samples, one_sample_at, parallel, plan, plane,
+    blinn_phong, centered, cut_box, grey, grids, of_samples, one_sample_at, parallel, plan, plane,
     value_shown, volume, white,
 };
 use crate::value_gradient::table_over;
@@ -43,9 +43,9 @@ pub fn distance(a: &Rendered, b: &Rendered) -> f32 {
 }
 
 /// Blobs with soft borders, one per number.
-pub fn blobs(grid: Grid, centres: &[DVec3], radius_mm: f64) -> Volume {
+pub fn blobs(grid: Grid, centers: &[DVec3], radius_mm: f64) -> Volume {
     volume(grid, |p| {
-        let near = centres
+        let near = centers
             .iter()
             .map(|c| c.distance(p))
             .fold(f64::MAX, f64::min);
@@ -53,7 +53,7 @@ pub fn blobs(grid: Grid, centres: &[DVec3], radius_mm: f64) -> Volume {
     })
 }
 
-/// Transparent up to 0.2, then a ramp in colour and opacity.
+/// Transparent up to 0.2, then a ramp in color and opacity.
 pub fn ramp() -> TransferTable {
     let entries = (0..64)
         .map(|i| {
@@ -86,9 +86,9 @@ fn every_estimator_gives_the_slope_of_a_ramp_on_every_grid() {
                         "{method:?}: {found} instead of {}",
                         slope.length()
                     );
-                    let colour = normal.image.pixel(x, y);
+                    let color = normal.image.pixel(x, y);
                     let found =
-                        DVec3::from_array([0, 1, 2].map(|c| f64::from(colour[c]))) * 2.0 - 1.0;
+                        DVec3::from_array([0, 1, 2].map(|c| f64::from(color[c]))) * 2.0 - 1.0;
                     assert!(
                         found.distance(slope.normalize()) < 1e-4,
                         "{method:?}: {found}"
@@ -101,7 +101,7 @@ fn every_estimator_gives_the_slope_of_a_ramp_on_every_grid() {
 
 #[test]
 fn the_gradient_of_opacity_is_that_of_the_classified_ramp() {
-    let grid = centred([16; 3], DMat3::IDENTITY);
+    let grid = centered([16; 3], DMat3::IDENTITY);
     let values = volume(grid, |p| 0.5 + 0.02 * p.x);
     // Opacity 0.8 (v − 0.2) between the border and the middle: 0.8 · 0.02 per mm.
     let mut plan = plan(&values, parallel(DVec3::Y, 100.0, 0.5), ramp());
@@ -163,12 +163,12 @@ pub fn pair() -> (Volume, Volume) {
     let turned = DMat3::from_rotation_z(0.5) * 0.9;
     (
         blobs(
-            centred([20; 3], DMat3::IDENTITY),
+            centered([20; 3], DMat3::IDENTITY),
             &[DVec3::new(-3.0, 0.0, 1.0)],
             5.0,
         ),
         blobs(
-            centred([18, 22, 20], turned),
+            centered([18, 22, 20], turned),
             &[DVec3::new(3.0, 1.0, 0.0)],
             5.0,
         ),
@@ -270,7 +270,7 @@ pub fn wall(y_mm: f32) -> Mesh {
 
 #[test]
 fn a_mesh_hides_what_is_behind_it_and_no_more() {
-    let grid = centred([20; 3], DMat3::IDENTITY);
+    let grid = centered([20; 3], DMat3::IDENTITY);
     let fog = volume(grid, |_| 0.5);
     let opacity = 0.1;
     for y_mm in [-30.0, -9.99, -4.3, 0.0, 7.7, 12.0] {
@@ -308,7 +308,7 @@ fn a_mesh_hides_what_is_behind_it_and_no_more() {
 
 #[test]
 fn the_depth_of_a_hit_is_that_of_the_sphere() {
-    let grid = centred([40; 3], DMat3::IDENTITY);
+    let grid = centered([40; 3], DMat3::IDENTITY);
     let ball = volume(grid, |p| 20.0 - p.length());
     let mut plan = plan(&ball, parallel(DVec3::Y, 60.0, 6.0), grey(0.0, 1.0));
     plan.technique_mut().composite = Composite::FirstHit { threshold: 8.0 };
@@ -330,7 +330,7 @@ fn the_depth_of_a_hit_is_that_of_the_sphere() {
 
 #[test]
 fn a_mask_of_a_half_space_cuts_as_a_box() {
-    let grid = centred([20; 3], DMat3::IDENTITY);
+    let grid = centered([20; 3], DMat3::IDENTITY);
     let fog = volume(grid, |_| 0.5);
     // Between x = −0.5 and 0.5 mm the mask rises from 0 to 1: half at 0.
     let mask = of_samples(
@@ -479,7 +479,7 @@ fn frames_converge_to_the_picture_of_a_fine_step() {
 
 #[test]
 fn compositing_in_display_space_is_the_over_of_encoded_numbers() {
-    let grid = centred([4; 3], DMat3::IDENTITY);
+    let grid = centered([4; 3], DMat3::IDENTITY);
     let fog = volume(grid, |_| 0.5);
     let mut plan = plan(&fog, parallel(DVec3::Y, 60.0, 0.5), white(0.5, 1.0));
     plan.lattice.step_mm = 1.0;
@@ -494,7 +494,7 @@ fn compositing_in_display_space_is_the_over_of_encoded_numbers() {
 #[test]
 fn an_interpolating_spline_goes_through_the_voxels() {
     let mut random = Random::new(17);
-    let grid = centred([9, 8, 7], DMat3::IDENTITY);
+    let grid = centered([9, 8, 7], DMat3::IDENTITY);
     let samples = (0..grid.voxel_count()).map(|_| random.unit() as f32);
     let noise = of_samples(grid, Samples::F32(samples.collect()));
     let mut plan = plan(&noise, parallel(DVec3::Y, 60.0, 0.5), grey(-1.0, 2.0));
@@ -505,12 +505,12 @@ fn an_interpolating_spline_goes_through_the_voxels() {
         plan.field_mut().reconstruct = reconstruct;
         for voxel in [[0usize, 0, 0], [4, 3, 3], [8, 7, 6], [2, 5, 1]] {
             let place = DVec3::from_array(voxel.map(|n| n as f64));
-            let centre = grid.world_from_voxel().transform_point3(place);
-            plan.camera.eye_mm = centre - DVec3::Y * 60.0;
+            let center = grid.world_from_voxel().transform_point3(place);
+            plan.camera.eye_mm = center - DVec3::Y * 60.0;
             one_sample_at(&mut plan, 0.0);
             plan.ray_clips = vec![
-                plane(DVec3::Y, 0.5 - centre.y),
-                plane(-DVec3::Y, 0.5 + centre.y),
+                plane(DVec3::Y, 0.5 - center.y),
+                plane(-DVec3::Y, 0.5 + center.y),
             ];
             let found = value_shown(draw(&noise, &plan).image.pixel(0, 0), -1.0, 2.0);
             let [x, y, z] = voxel;
@@ -591,7 +591,7 @@ pub fn any_variant(random: &mut Random, volume: &Volume) -> Plan {
         plan.sample_clips.push(SampleClip {
             shape: random.pick(&[ClipShape::Ellipsoid, ClipShape::Cylinder]),
             ..cut_box(
-                DAffine3::from_mat3_translation(axes, volume.grid().centre_mm()).inverse(),
+                DAffine3::from_mat3_translation(axes, volume.grid().center_mm()).inverse(),
                 random.once_in(2),
             )
         });
@@ -621,7 +621,7 @@ fn skipping_changes_no_byte_of_any_variant() {
         let is_blob = seed % 2 == 0;
         let volume = if is_blob {
             blobs(
-                centred([48; 3], DMat3::IDENTITY),
+                centered([48; 3], DMat3::IDENTITY),
                 &[random.direction() * 5.0],
                 4.0,
             )

@@ -393,7 +393,7 @@ fn clips_over(flags: &DrawFlags, scene: &mut Scene) -> Result<()> {
     Ok(())
 }
 
-/// A name or colour that the library reads.
+/// A name or color that the library reads.
 fn parsed<T: FromStr<Err = String>>(flag: &str, text: &Option<String>) -> Result<Option<T>> {
     let value = text.as_deref().map(str::parse::<T>).transpose();
     value.map_err(|why| anyhow!("{flag}: {why}"))

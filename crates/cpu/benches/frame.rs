@@ -13,7 +13,7 @@ use strahl_volume::phantom::Phantom;
 use strahl_volume::read::{MemoryFiles, ReadOptions, read_file};
 use strahl_volume::{Control, Volume};
 
-/// The transfer function of the bonsai: value, opacity per voxel edge, colour.
+/// The transfer function of the bonsai: value, opacity per voxel edge, color.
 const BONSAI: [(f64, f64, [f64; 3]); 6] = [
     (0.0, 0.0, [0.0, 0.0, 0.0]),
     (30.0, 0.0, [0.0, 0.0, 0.0]),

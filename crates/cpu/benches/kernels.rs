@@ -36,7 +36,7 @@ fn volume(kind: SampleType) -> Volume {
         SampleType::U16 => Samples::U16(numbers().iter().map(|&v| v as u16).collect()),
         _ => Samples::F32(numbers().iter().map(|&v| v as f32).collect()),
     };
-    let grid = Grid::centred([EDGE; 3], [1.0; 3].into()).expect("a grid");
+    let grid = Grid::centered([EDGE; 3], [1.0; 3].into()).expect("a grid");
     Volume::new(grid, samples, Rescale::IDENTITY, Metadata::default()).expect("a volume")
 }
 

@@ -33,7 +33,7 @@ fn main() {
         DIRECTIONS.map(|d| d.0).join(" | ")
     );
     for edge in edges {
-        let grid = Grid::centred([edge; 3], glam::DVec3::ONE).expect("a grid");
+        let grid = Grid::centered([edge; 3], glam::DVec3::ONE).expect("a grid");
         let number = grid.voxel_count();
         let voxels: Vec<u8> = (0..number)
             .map(|i| (i.wrapping_mul(2_654_435_761) >> 20) as u8)

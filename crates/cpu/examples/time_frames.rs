@@ -7,7 +7,7 @@
 //!         [raw=FILE] [sampling='{ "error": 0.01 }'] [stages=true] [points=JSON] \
 //!         [reconstruct=b-spline]
 //!
-//! `mip-values` colours the largest value of a ray black to white over 0 to 255: a picture of values.
+//! `mip-values` colors the largest value of a ray black to white over 0 to 255: a picture of values.
 //! `sampling` is that key of a scene; `stages` draws every picture in stages and adds the medians of the times after
 //! which each was there; `points` are other points of the transfer function, as in `bench/cases.json`.
 //! `edit` keeps the view and changes the transfer function instead, to one that was not seen before, each time.

@@ -1,7 +1,7 @@
 //! Logarithm, exponential and power over lanes.
 //!
 //! The standard library's functions are calls per number and may differ between systems; these are
-//! plain arithmetic, so they vectorise and give the same bits everywhere. Polynomials and argument
+//! plain arithmetic, so they vectorize and give the same bits everywhere. Polynomials and argument
 //! reduction are those of S. Moshier's Cephes library (`logf`, `expf`), with relative errors of a
 //! few 1e-7 on the arguments that occur here.
 

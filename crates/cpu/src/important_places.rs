@@ -46,7 +46,7 @@ impl<'v, S: Level> ImportantPlaces<'v, S> {
                 let (zero, one) = (F32s::zero(), F32s::splat(1.0));
                 let unit = self.unit_from_voxel.point(position);
                 let last = self.mask.shape().last;
-                // The cube is the extent, which reaches half a voxel beyond the voxel centres.
+                // The cube is the extent, which reaches half a voxel beyond the voxel centers.
                 let place = each!([0, 1, 2], |axis| {
                     (unit[axis] + F32s::splat(0.5)) * F32s::splat(last[axis] + 1.0)
                         - F32s::splat(0.5)

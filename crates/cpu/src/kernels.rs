@@ -98,7 +98,7 @@ impl Task for Running<'_> {
                         }
                         Kernel::Classify => {
                             let surface = object.classify(position[0], position, all);
-                            surface.colour[0] + surface.opacity
+                            surface.color[0] + surface.opacity
                         }
                     };
                 }

@@ -32,7 +32,7 @@ pub struct I32s<S: Level>([i32x16<S>; 2]);
 #[derive(Clone, Copy)]
 pub struct Mask<S: Level>([mask32x16<S>; 2]);
 
-/// A point, a direction or a colour per ray.
+/// A point, a direction or a color per ray.
 pub type Vec3s<S> = [F32s<S>; 3];
 
 /// Calls `f` for every lane.

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use strahl_scene::plan::{Plan, PlanLight, PlanMesh, Ray};
 use strahl_volume::{Cancelled, ContentId, Key, Mesh};
 
-/// The share of a mesh's colour that is there without light, and the one that follows the light.
+/// The share of a mesh's color that is there without light, and the one that follows the light.
 const AMBIENT: f64 = 0.25;
 const DIFFUSE: f64 = 0.75;
 
@@ -41,14 +41,14 @@ struct SearchTree {
     corners: Vec<[DVec3; 3]>,
     /// Normals at the corners, where the mesh has them: it is smooth then.
     normals: Option<Vec<[DVec3; 3]>>,
-    centre: DVec3,
-    /// Of a ball about the centre that holds it all.
+    center: DVec3,
+    /// Of a ball about the center that holds it all.
     radius: f64,
 }
 
 struct Hit {
     t_mm: f64,
-    /// Not normalised, in the space of the mesh.
+    /// Not normalized, in the space of the mesh.
     normal: DVec3,
 }
 
@@ -67,7 +67,7 @@ impl Meshes {
     }
 
     /// What is behind all volumes on a ray of `plan`: the distance of the nearest surface (infinite
-    /// without) and its premultiplied colour, or the background.
+    /// without) and its premultiplied color, or the background.
     pub fn behind(&self, ray: &Ray, plan: &Plan) -> (f64, [f32; 4]) {
         let mut nearest: Option<(Hit, &PlanMesh)> = None;
         for placed in &plan.meshes {
@@ -107,7 +107,7 @@ impl SearchTree {
                 let normal = |i: u32| double(normals[i as usize]);
                 mesh.triangles().iter().map(|t| t.map(normal)).collect()
             }),
-            centre: 0.5 * (lo + hi),
+            center: 0.5 * (lo + hi),
             radius: 0.5001 * hi.distance(lo),
         }
     }
@@ -120,8 +120,8 @@ impl SearchTree {
         // The search is in single precision: it starts just before the mesh, wherever the eye is, and
         // goes ahead only.
         let length = direction.length();
-        let centre = direction.dot(self.centre - origin) / length;
-        let before = (centre - self.radius) / length;
+        let center = direction.dot(self.center - origin) / length;
+        let before = (center - self.radius) / length;
         let before = if before.is_finite() {
             before.max(0.0)
         } else {

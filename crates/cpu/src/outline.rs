@@ -196,7 +196,7 @@ mod tests {
     fn inside_a_volume_every_pixel_is_aimed() {
         assert!(Outline::of(&plan(r#""zoom": 50"#)).is_some_and(|o| !o.misses([0, 0], [0, 0])));
         let mut inside = plan("");
-        inside.camera.eye_mm = inside.field().grid.centre_mm();
+        inside.camera.eye_mm = inside.field().grid.center_mm();
         assert!(Outline::of(&inside).is_none());
         inside.camera.eye_mm.x = f64::NAN;
         assert!(Outline::of(&inside).is_none());

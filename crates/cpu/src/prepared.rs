@@ -61,7 +61,7 @@ impl Prepared {
         let start = Stopwatch::start();
         let (mut sources, mut known) = (Vec::new(), Vec::new());
         let mut bricks_seconds = 0.0;
-        let mut bricks_of_labelled = None;
+        let mut bricks_of_labeled = None;
         for (layer, field) in plan.drawn_fields().enumerate() {
             let source = Source::new(field, data, |own| {
                 let make = || own.b_spline_coefficients_under(making.control);
@@ -70,10 +70,10 @@ impl Prepared {
             let bricks_start = Stopwatch::start();
             let reading = Reading::new(making, field, source)?;
             bricks_seconds += bricks_start.seconds();
-            known.push(match plan.labelled() {
+            known.push(match plan.labeled() {
                 // Every lattice point says whether a run ends.
                 Some(_) => {
-                    bricks_of_labelled = Some((reading.source.volume.id(), reading.bricks.clone()));
+                    bricks_of_labeled = Some((reading.source.volume.id(), reading.bricks.clone()));
                     Known::default()
                 }
                 None => reading.known(making, &data.masks, plan, layer, skips)?,
@@ -82,12 +82,12 @@ impl Prepared {
         }
         let labels = NumberedLabels::of_plan(making, data, plan)?;
         let mut unseen = None;
-        if let (Some(labelled), Some(numbers), Some((source, bricks))) = (
-            plan.labelled(),
+        if let (Some(labeled), Some(numbers), Some((source, bricks))) = (
+            plan.labeled(),
             labels.as_ref().map(|labels| &*labels.numbers),
-            bricks_of_labelled.filter(|_| skips),
+            bricks_of_labeled.filter(|_| skips),
         ) {
-            let labels = (data.labels[labelled.labels].content_id(), numbers);
+            let labels = (data.labels[labeled.labels].content_id(), numbers);
             let known = TechniqueBricks::new(making, plan, (source, &bricks))?;
             unseen = unseen_segments(making, plan, &known, labels)?;
         }
@@ -186,10 +186,10 @@ impl NumberedLabels {
         data: &Datasets,
         plan: &Plan,
     ) -> Result<Option<NumberedLabels>, Error> {
-        let Some(labelled) = plan.labelled() else {
+        let Some(labeled) = plan.labeled() else {
             return Ok(None);
         };
-        let labels = &data.labels[labelled.labels];
+        let labels = &data.labels[labeled.labels];
         let key = LabelNumbersKey(labels.content_id());
         let numbers = making.find(&key, || labels.numbers_under(making.control))?;
         let dims = labels.grid().dims();

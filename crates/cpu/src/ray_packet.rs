@@ -109,9 +109,9 @@ impl<S: Level> RayPacket<S> {
         } else {
             let mut behind = [[0.0; LANES]; 4];
             for lane in (0..LANES).filter(|&lane| self.pixels[lane]) {
-                let colour;
-                (self.opaque_mm[lane], colour) = scenery.meshes.behind(&rays.ray(lane), plan);
-                for (channel, number) in behind.iter_mut().zip(colour) {
+                let color;
+                (self.opaque_mm[lane], color) = scenery.meshes.behind(&rays.ray(lane), plan);
+                for (channel, number) in behind.iter_mut().zip(color) {
                     channel[lane] = number;
                 }
             }
@@ -124,7 +124,7 @@ impl<S: Level> RayPacket<S> {
             ];
         }
         self.jitter = match scenery.jitters {
-            Jitters::Centre => F32s::splat(0.5),
+            Jitters::Center => F32s::splat(0.5),
             _ => F32s::from_array(lanes(|lane| {
                 let (x, y) = (lane % PACKET[0], lane / PACKET[0]);
                 scenery.jitters.at(columns[x], rows[y], frame)

@@ -15,7 +15,7 @@ pub struct Rays<S: Level> {
 }
 
 impl<S: Level> Rays<S> {
-    /// The rays through the centres of the pixels in these columns and rows, with the arithmetic of
+    /// The rays through the centers of the pixels in these columns and rows, with the arithmetic of
     /// [`PlanCamera::ray`].
     ///
     /// [`PlanCamera::ray`]: strahl_scene::plan::PlanCamera::ray

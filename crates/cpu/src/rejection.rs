@@ -241,7 +241,7 @@ mod tests {
             let noise = |i: u32| (i.wrapping_add(seed)).wrapping_mul(2_654_435_761) >> 8;
             let number = dims.iter().product::<usize>() as u32;
             let voxels = (0..number).map(|i| (20 + noise(noise(i)) % height) as u8);
-            let grid = Grid::centred(dims, glam::DVec3::ONE).unwrap();
+            let grid = Grid::centered(dims, glam::DVec3::ONE).unwrap();
             let rescale = Rescale::new(slope, 3.0);
             let volume =
                 Volume::new(grid, Samples::U8(voxels.collect()), rescale, Metadata::default());

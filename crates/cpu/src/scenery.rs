@@ -126,7 +126,7 @@ impl<S: Level> Look<S> {
     pub fn nothing() -> Look<S> {
         Look {
             surface: Surface {
-                colour: [F32s::zero(); 3],
+                color: [F32s::zero(); 3],
                 opacity: F32s::zero(),
             },
             visible: Mask::none(),

@@ -98,7 +98,7 @@ impl SegmentLooks {
         }
     }
 
-    /// What the colours of segments are multiplied by, opacity included.
+    /// What the colors of segments are multiplied by, opacity included.
     #[inline(always)]
     pub fn tints<S: Level>(&self, segment: F32s<S>) -> Vec3s<S> {
         each!([0, 1, 2], |channel| self.factor(segment, channel))

@@ -73,26 +73,26 @@ impl<'n> SegmentNumbers<'n> {
         bricks: &'n LabelBricks,
         unseen: Option<Arc<UnseenSegments>>,
     ) -> Option<SegmentNumbers<'n>> {
-        let labelled = plan.labelled()?;
-        let segments = labelled.numbered(&labels.ids);
-        let of_groups = labelled.groups.iter().map(|group| group.importance);
+        let labeled = plan.labeled()?;
+        let segments = labeled.numbered(&labels.ids);
+        let of_groups = labeled.groups.iter().map(|group| group.importance);
         let importances = segments.importances.iter().copied().chain(of_groups);
         let places = plan.importance.filter(|_| plan.weighs_runs());
         let gain_of_places = places.map_or(0.0, |places| places.gain_of_runs);
         Some(SegmentNumbers {
             numbers: &labels.numbers,
             bricks,
-            shape: Shape::new(&labelled.grid),
-            dims: labelled.grid.dims(),
-            is_grid_of_field: labelled.grid == plan.field().grid,
-            label_from_voxel: Affine::new(labelled.label_from_voxel(plan.field())),
+            shape: Shape::new(&labeled.grid),
+            dims: labeled.grid.dims(),
+            is_grid_of_field: labeled.grid == plan.field().grid,
+            label_from_voxel: Affine::new(labeled.label_from_voxel(plan.field())),
             number_of_ids: labels.ids.len(),
             gain_of_places,
             most_important: importances.fold(0.0, f32::max) + gain_of_places,
             segments,
             unseen,
             rule: plan.global_rule,
-            groups: labelled.groups.clone(),
+            groups: labeled.groups.clone(),
         })
     }
 

@@ -39,12 +39,12 @@ impl Key for SegmentsOfBricksKey {
 impl SegmentsOfBricksKey {
     /// That of the labels of `plan`, if it has some, whose voxels have the content `labels`.
     pub fn new(plan: &Plan, labels: ContentId, outside: u32) -> Option<SegmentsOfBricksKey> {
-        let (labelled, field) = (plan.labelled()?, plan.field());
+        let (labeled, field) = (plan.labeled()?, plan.field());
         Some(SegmentsOfBricksKey {
             labels,
-            label_from_voxel: labelled.label_from_voxel(field),
+            label_from_voxel: labeled.label_from_voxel(field),
             dims: field.grid.dims(),
-            label_dims: labelled.grid.dims(),
+            label_dims: labeled.grid.dims(),
             outside,
         })
     }

@@ -13,7 +13,7 @@ use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 use strahl_volume::{Parts, cores};
 
-/// What the pixels of a raster hold before its colours are made linear.
+/// What the pixels of a raster hold before its colors are made linear.
 pub struct DrawnRaster {
     /// Premultiplied, row by row from the top.
     pub pixels: Vec<[f32; 4]>,

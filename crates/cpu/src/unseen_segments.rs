@@ -50,10 +50,10 @@ pub fn unseen_segments(
     known: &TechniqueBricks,
     (id, labels): (ContentId, &LabelNumbers),
 ) -> Result<Option<Arc<UnseenSegments>>, Cancelled> {
-    let Some(labelled) = plan.labelled() else {
+    let Some(labeled) = plan.labeled() else {
         return Ok(None);
     };
-    let numbered = labelled.numbered(&labels.ids);
+    let numbered = labeled.numbered(&labels.ids);
     let Some(segments) = SegmentsOfBricksKey::new(plan, id, numbered.outside) else {
         return Ok(None);
     };
@@ -67,7 +67,7 @@ pub fn unseen_segments(
         segments,
         techniques: numbered.techniques,
         contributions: known.keys.clone(),
-        is_grouped: !labelled.groups.is_empty(),
+        is_grouped: !labeled.groups.is_empty(),
     };
     Ok(Some(making.find(&key, || key.make(making, known, labels))?))
 }

@@ -56,9 +56,9 @@ impl<'d> Data<'d> {
                 })?,
             });
         }
-        let label_numbers = match plan.labelled() {
-            Some(labelled) => {
-                let labels = &datasets.labels[labelled.labels];
+        let label_numbers = match plan.labeled() {
+            Some(labeled) => {
+                let labels = &datasets.labels[labeled.labels];
                 let key = LabelNumbersKey(labels.content_id());
                 Some(store.find(&key, control, || labels.numbers_under(control))?)
             }
@@ -131,7 +131,7 @@ impl<'d> Data<'d> {
     /// Their texture.
     pub fn labels(&self, plan: &Plan) -> Option<Result<Texture<'_>, Error>> {
         let LabelNumbers { numbers, .. } = self.segments()?;
-        let labels = &self.datasets.labels[plan.labelled()?.labels];
+        let labels = &self.datasets.labels[plan.labeled()?.labels];
         let numbers: Vec<u32> = match numbers {
             LabelIds::U8(numbers) => numbers.iter().map(|n| u32::from(*n)).collect(),
             LabelIds::U16(numbers) => numbers.iter().map(|n| u32::from(*n)).collect(),

@@ -1,4 +1,4 @@
-//! Opaque meshes behind the volumes: of every pixel, how far away and in what colour.
+//! Opaque meshes behind the volumes: of every pixel, how far away and in what color.
 //!
 //! Triangle by triangle, over the pixels that it can cover, by the exact ray of each pixel.
 
@@ -8,7 +8,7 @@ use strahl_scene::plan::{Plan, PlanLight, Projection, Ray};
 use strahl_shader::NOWHERE_MM;
 use strahl_volume::{Cancelled, Control, Mesh};
 
-/// The share of a mesh's colour that is there without light, and the one that follows the light.
+/// The share of a mesh's color that is there without light, and the one that follows the light.
 const AMBIENT: f64 = 0.25;
 const DIFFUSE: f64 = 0.75;
 

@@ -395,7 +395,7 @@ impl<'a> Scenery<'a> {
         self.machine.set_uniform(GROUP, bindings::FRAME, &bytes)
     }
 
-    /// Colours, and what location 1 says.
+    /// Colors, and what location 1 says.
     fn draw(
         &self,
         entry: &str,

@@ -121,9 +121,9 @@ fn vertex(@builtin(vertex_index) index: u32) -> @builtin(position) vec4f {
 
 @fragment
 fn fragment(@builtin(position) at: vec4f) -> @location(0) vec4f {
-    let centre = vec2f(vec2u(at.xy) + frame.origin) + 0.5;
-    let across = (2.0 * centre.x / f32(frame.size.x) - 1.0) * frame.aspect;
-    let upward = 1.0 - 2.0 * centre.y / f32(frame.size.y);
+    let center = vec2f(vec2u(at.xy) + frame.origin) + 0.5;
+    let across = (2.0 * center.x / f32(frame.size.x) - 1.0) * frame.aspect;
+    let upward = 1.0 - 2.0 * center.y / f32(frame.size.y);
     let direction = normalize(frame.forward + (across * frame.right + upward * frame.up) * frame.half_height);
     let start = rows_times(frame.object.voxel_from_world, vec4f(frame.eye_mm, 1.0));
     let along = rows_times(frame.object.voxel_from_world, vec4f(direction, 0.0));

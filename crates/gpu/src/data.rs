@@ -184,9 +184,9 @@ impl Data {
                 None => device.store().put(&key, MeshCorners::new(device, mesh)?),
             });
         }
-        let labels = match plan.labelled() {
-            Some(labelled) => {
-                let labels = &self.datasets.labels[labelled.labels];
+        let labels = match plan.labeled() {
+            Some(labeled) => {
+                let labels = &self.datasets.labels[labeled.labels];
                 Some(self.labels(device, labels, control)?)
             }
             None => None,

@@ -1,4 +1,4 @@
-//! Opaque meshes: rasterised before the volumes, which end their rays there.
+//! Opaque meshes: rasterized before the volumes, which end their rays there.
 
 use crate::device::Device;
 use crate::error::Error;
@@ -92,7 +92,7 @@ fn corners_of(mesh: &Mesh) -> Vec<[f32; 6]> {
     corners
 }
 
-/// What is behind the volumes of one part: colour and distance.
+/// What is behind the volumes of one part: color and distance.
 pub struct Geometry {
     pub color: Plane,
     pub distance: Plane,

@@ -1,4 +1,4 @@
-// Opaque meshes, rasterised: their colour under the lights, and how far along the pixel's ray they lie.
+// Opaque meshes, rasterized: their color under the lights, and how far along the pixel's ray they lie.
 
 struct View {
     eye_mm: vec3f,

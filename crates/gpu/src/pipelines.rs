@@ -23,11 +23,11 @@ pub struct Ready {
 /// What a pipeline draws into, and how.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Output {
-    /// The colours of rays.
+    /// The colors of rays.
     Color,
-    /// Colours, and how far away what is hit lies.
+    /// Colors, and how far away what is hit lies.
     ColorAndDepth,
-    /// The colours of slices, blended with what is there.
+    /// The colors of slices, blended with what is there.
     Slices(Blend),
 }
 

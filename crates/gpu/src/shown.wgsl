@@ -4,7 +4,7 @@ struct Show {
     // The pixel of the picture at the corner of the part, and what its numbers are multiplied by.
     origin: vec2<f32>,
     weight: f32,
-    // Whether colours are sRGB-encoded numbers.
+    // Whether colors are sRGB-encoded numbers.
     is_encoded: u32,
 }
 

@@ -1,7 +1,7 @@
 //! The four cases of the document's Table 4, as ray casters: each a scene, a graph, and the `march` that a
 //! person would write instead, over the same library.
 //!
-//! 1: one table of colours, one light. 2: a table per tag of a second volume, three lights, tone shading,
+//! 1: one table of colors, one light. 2: a table per tag of a second volume, three lights, tone shading,
 //! boundaries and silhouettes. 3: a ray caster of nodes alone, unlit. 4: pre-integrated, unlit.
 
 #![allow(

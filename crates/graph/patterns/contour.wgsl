@@ -3,7 +3,7 @@ struct Params {
     /// Thickness of the line.
     /// default 1.5, range 0.001 to 1000, unit mm
     thickness_mm: f32,
-    /// Its colour.
+    /// Its color.
     /// default (0, 0, 0), range 0 to 1
     line: vec3f,
 }

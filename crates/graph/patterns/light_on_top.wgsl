@@ -7,7 +7,7 @@ struct Params {
     /// Linear RGB, multiplied by the diffuse share of the material.
     /// default (0.8, 0.8, 0.8), range 0 to 100
     radiance: vec3f,
-    /// Strength of the highlight, which has the colour of the light.
+    /// Strength of the highlight, which has the color of the light.
     /// default 0.2, range 0 to 10
     specular: f32,
     /// Exponent of the highlight.

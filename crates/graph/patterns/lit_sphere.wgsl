@@ -1,4 +1,4 @@
-/// The colour of a sphere of the material under its light, where the normal points the same way (S. Bruckner and
+/// The color of a sphere of the material under its light, where the normal points the same way (S. Bruckner and
 /// E. Gröller 2007). `normal` is in the camera's axes: right, up, towards the eye.
 /// color: color.linear
 /// result: color.linear

@@ -1,4 +1,4 @@
-/// A table of colours: the value across, between its texels; the row as it is, such as that of a segment.
+/// A table of colors: the value across, between its texels; the row as it is, such as that of a segment.
 /// value: value
 fn lut_row(image: texture_2d<f32>, value: f32, low: f32, high: f32, row: f32) -> Surface {
     let size = vec2i(textureDimensions(image));

@@ -1,4 +1,4 @@
-/// Between two colours.
+/// Between two colors.
 /// a: color.linear
 /// b: color.linear
 /// result: color.linear

@@ -1,5 +1,5 @@
 /// One more object at a place where several are, none before another: what passes is the product of what passes
-/// each, and each gives its colour by its opacity.
+/// each, and each gives its color by its opacity.
 /// color: color.linear
 /// opacity: opacity.step
 /// light_before: default (0, 0, 0)

@@ -1,4 +1,4 @@
-/// As `over`, for a sample whose colour is multiplied by its opacity already.
+/// As `over`, for a sample whose color is multiplied by its opacity already.
 /// color: color.premultiplied
 /// opacity: opacity.step
 /// sum_color: color.premultiplied

@@ -1,4 +1,4 @@
-/// Colour and opacity of one step from the value at its front to that at its back, from a pre-integrated table
+/// Color and opacity of one step from the value at its front to that at its back, from a pre-integrated table
 /// (K. Engel, M. Kraus, T. Ertl 2001).
 /// front: value
 /// back: value

@@ -1,4 +1,4 @@
-/// Colour times opacity.
+/// Color times opacity.
 /// color: color.linear
 /// result: color.premultiplied
 fn premultiply(color: vec3f, opacity: f32) -> vec3f {

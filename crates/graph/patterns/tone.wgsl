@@ -1,16 +1,16 @@
-//! Tone shading (A. Gooch et al. 1998): from cool to warm by the angle to the light, with the colour of the
+//! Tone shading (A. Gooch et al. 1998): from cool to warm by the angle to the light, with the color of the
 //! object.
 struct Params {
-    /// The colour away from the light.
+    /// The color away from the light.
     /// default (0.05, 0.08, 0.35), range 0 to 10
     cool: vec3f,
-    /// The colour towards the light.
+    /// The color towards the light.
     /// default (0.9, 0.6, 0.2), range 0 to 10
     warm: vec3f,
     /// Towards the light, world space; its length does not matter.
     /// default (0.3, -0.6, 0.7)
     to_light: vec3f,
-    /// Share of the object's own colour.
+    /// Share of the object's own color.
     /// default 0.5, range 0 to 1
     share: f32,
 }

@@ -1,4 +1,4 @@
-/// Colour without the opacity; black where there is none.
+/// Color without the opacity; black where there is none.
 /// color: color.premultiplied
 /// result: color.linear
 fn unpremultiply(color: vec3f, opacity: f32) -> vec3f {

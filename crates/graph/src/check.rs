@@ -648,7 +648,7 @@ impl<'g> Checker<'g> {
                     ),
                 });
             };
-            // All components of a colour are still that colour.
+            // All components of a color are still that color.
             if !(ty == value.ty || (member == "rgb" && meaning.is_none())) {
                 value.meaning = meaning;
             }

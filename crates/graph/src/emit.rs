@@ -38,7 +38,7 @@ pub struct EmittedProgram {
 }
 
 /// A function and what it is called.
-type Labelled = (String, Arc<Module>);
+type Labeled = (String, Arc<Module>);
 
 /// A place in the program.
 struct Place {
@@ -325,7 +325,7 @@ impl Emitter<'_> {
     }
 
     /// Gives everything a name that nothing else has.
-    fn name(&mut self) -> (Vec<Labelled>, Vec<(String, String)>) {
+    fn name(&mut self) -> (Vec<Labeled>, Vec<(String, String)>) {
         let (mut functions, mut nodes) = (Vec::<(String, Arc<Module>)>::new(), Vec::new());
         let mut shared: HashMap<Arc<Module>, String> = HashMap::new();
         for (name, _) in &self.graph.textures {

@@ -127,7 +127,7 @@ pub enum Kind {
         /// Its value.
         value: Vec<f64>,
     },
-    /// A table of colours or numbers in two dimensions.
+    /// A table of colors or numbers in two dimensions.
     Texture(Texture),
     /// A loop: its outputs are the carried variables inside; outside they are read as `NAME.last.VARIABLE`.
     Loop(Loop),
@@ -152,7 +152,7 @@ pub enum Texture {
         /// width × height texels.
         texels: Vec<[f32; 4]>,
     },
-    /// The pre-integrated transfer function of an object: front value across, back value down; colour
+    /// The pre-integrated transfer function of an object: front value across, back value down; color
     /// premultiplied, opacity of one step.
     PreIntegrated {
         /// Columns and rows.

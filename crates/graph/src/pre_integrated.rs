@@ -1,4 +1,4 @@
-//! Pre-integrated transfer functions: colour and opacity of one step from the values at its ends.
+//! Pre-integrated transfer functions: color and opacity of one step from the values at its ends.
 
 use strahl_program::Table2d;
 use strahl_scene::transfer::TransferTable;
@@ -7,12 +7,12 @@ use strahl_scene::transfer::TransferTable;
 pub const MOST_EDGE: u32 = 4096;
 
 /// The table of the pattern `pre_integrated` over `edge` × `edge` values from the transfer function's first to
-/// its last: front value across, back value down; colour multiplied by opacity, opacity of a step of `step_mm`.
+/// its last: front value across, back value down; color multiplied by opacity, opacity of a step of `step_mm`.
 ///
 /// K. Engel, M. Kraus, T. Ertl, High-Quality Pre-Integrated Volume Rendering (2001), by integral functions, which
 /// leave out that a step darkens itself (their equation 8): with τ = −ln(1 − α)/d₀, and T, K the integrals of τ and
-/// τ·c over values, opacity is 1 − exp(−d·ΔT/Δv) and colour d·ΔK/Δv. Where a step darkens itself much, that colour
-/// would be brighter than anything in it; here it is the mean colour ΔK/ΔT times the opacity, which is the same as
+/// τ·c over values, opacity is 1 − exp(−d·ΔT/Δv) and color d·ΔK/Δv. Where a step darkens itself much, that color
+/// would be brighter than anything in it; here it is the mean color ΔK/ΔT times the opacity, which is the same as
 /// long as steps are thin. Integrals of the linear pieces are taken by Simpson's rule over sixteen parts.
 pub fn pre_integrated(table: &TransferTable, step_mm: f64, edge: u32) -> Table2d {
     let edge = edge.clamp(2, MOST_EDGE);
@@ -76,7 +76,7 @@ pub fn pre_integrated(table: &TransferTable, step_mm: f64, edge: u32) -> Table2d
 mod tests {
     use super::*;
 
-    /// A ramp: τ and colour by hand, against sums over ten thousand parts.
+    /// A ramp: τ and color by hand, against sums over ten thousand parts.
     #[test]
     fn entries_are_integrals() {
         let entries = vec![

@@ -107,7 +107,7 @@ pub struct SlicingText {
     order: Option<OrderText>,
     /// How a slice joins those before it.
     blend: BlendText,
-    /// What is there before the first slice: premultiplied colour, opacity; 0 if not said, and 1 for the blend
+    /// What is there before the first slice: premultiplied color, opacity; 0 if not said, and 1 for the blend
     /// `smaller`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     start: Option<[f32; 4]>,
@@ -148,7 +148,7 @@ impl<'de> Deserialize<'de> for BlendText {
     }
 }
 
-/// Blends that have a name. Colours are premultiplied.
+/// Blends that have a name. Colors are premultiplied.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 enum NamedBlend {
@@ -179,7 +179,7 @@ const NAMED: [(NamedBlend, Blend); 5] = [
 struct BlendStateText {
     /// Of red, green and blue.
     color: BlendPartText,
-    /// Of the opacity; as of the colour if not said.
+    /// Of the opacity; as of the color if not said.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     opacity: Option<BlendPartText>,
 }

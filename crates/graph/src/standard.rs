@@ -45,7 +45,7 @@ pub fn standard(plan: &Plan) -> Result<Graph, Error> {
             Composite::ContextPreserving { covered_by: 1, .. }
         )
     };
-    if plan.labelled().is_some() && plan.drawn_techniques().any(is_covered_by_ray) {
+    if plan.labeled().is_some() && plan.drawn_techniques().any(is_covered_by_ray) {
         return Err(refused(
             "a graph of segments draws `context-preserving` with `covered_by` 0 only",
         ));
@@ -58,7 +58,7 @@ pub fn standard(plan: &Plan) -> Result<Graph, Error> {
             ..Graph::default()
         },
     };
-    if plan.labelled().is_some() {
+    if plan.labeled().is_some() {
         graph.segments();
         return Ok(graph.graph);
     }
@@ -245,7 +245,7 @@ impl Builder<'_> {
         }
     }
 
-    /// From `value` at `position` to colour and opacity of the reference length: `after_shade_color`,
+    /// From `value` at `position` to color and opacity of the reference length: `after_shade_color`,
     /// `after_shade_opacity`. Shading is looked at only where something can be seen.
     fn look(&mut self, value: &str, position: &str, last_normal: Option<&str>) {
         self.look_of(0, value, position, last_normal);

@@ -52,7 +52,7 @@ impl GraphUse {
     ///     "strahl_graph": 1,
     ///     "edits": [{ "name": "reddish", "commands": [
     ///         { "add": { "red": { "pattern": "multiply", "inputs": { "b": [1, 0.5, 0.5] } } } },
-    ///         { "insert": { "node": "red", "into": "after_shade_color" } },  // the shaded colour
+    ///         { "insert": { "node": "red", "into": "after_shade_color" } },  // the shaded color
     ///     ] }],
     /// }"#;
     /// let asked = GraphUse::read("reddish.graph.json", text, &mut |_| Err("no files here".to_owned()))?;

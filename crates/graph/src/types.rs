@@ -91,7 +91,7 @@ static STRUCTS: [Struct; 6] = [
 /// What the numbers of a port are, where it matters: two ports that both say it have to say the same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Meaning {
-    /// `position.voxel`: voxel centres are whole numbers.
+    /// `position.voxel`: voxel centers are whole numbers.
     VoxelPosition,
     /// `position.world`: patient space, mm.
     WorldPosition,
@@ -99,7 +99,7 @@ pub enum Meaning {
     TexturePosition,
     /// `direction.world`: length 1 or 0.
     Direction,
-    /// `gradient.per_mm`: world space, not normalised.
+    /// `gradient.per_mm`: world space, not normalized.
     Gradient,
     /// `color.linear`: not multiplied by the opacity.
     LinearColor,

@@ -46,7 +46,7 @@ impl Choices {
                 values: Vec::new(),
             };
             own.technique(technique)?;
-            if plan.labelled().is_some() {
+            if plan.labeled().is_some() {
                 let composite = technique.composite;
                 own.choose(composite.function(), composite.values())?;
             }
@@ -114,7 +114,7 @@ impl Functions {
         }
         let mut functions = Functions {
             selection: Selection::new(),
-            techniques_of_segments: plan.labelled().map_or(0, |_| plan.techniques.len()),
+            techniques_of_segments: plan.labeled().map_or(0, |_| plan.techniques.len()),
             values: Vec::new(),
         };
         functions.ray(plan, mask_threshold)?;
@@ -126,7 +126,7 @@ impl Functions {
             Choices::of(plan)?
         };
         functions.light(plan)?;
-        if plan.labelled().is_none() {
+        if plan.labeled().is_none() {
             let composite = plan.technique().composite;
             functions.choose(composite.function(), composite.values())?;
         }
@@ -209,7 +209,7 @@ impl Functions {
             self.put("clip_ray", "depth", vec![])?;
         }
         match plan.lattice.jitter {
-            Jitter::Centre => {}
+            Jitter::Center => {}
             Jitter::Hash(seed) => {
                 self.put("jitter", "hash", vec![("seed", vec![f64::from(seed)])])?;
             }

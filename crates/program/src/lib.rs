@@ -49,7 +49,7 @@ pub fn program(plan: &Plan) -> Result<Arc<Program>, Error> {
 
 /// On what it depends by which technique a sample of `plan` is drawn.
 pub fn techniques_of(plan: &Plan) -> Techniques {
-    if plan.labelled().is_some() {
+    if plan.labeled().is_some() {
         Techniques::OfSegments
     } else if plan.has_one_technique() {
         Techniques::One

@@ -19,14 +19,14 @@ pub struct SegmentTable {
 impl SegmentTable {
     /// The segments of `plan`, if it has those of a label volume; `ids` are the ids of its voxels, ascending.
     pub fn of(plan: &Plan, ids: &[u32]) -> Option<SegmentTable> {
-        let labelled = plan.labelled()?;
+        let labeled = plan.labeled()?;
         let NumberedSegments {
             techniques,
             factors,
             importances,
             groups,
             outside,
-        } = labelled.numbered(ids);
+        } = labeled.numbered(ids);
         let entry = |i: usize| {
             let [r, g, b, a] = factors[i].map(f32::to_bits);
             [
@@ -41,9 +41,9 @@ impl SegmentTable {
         };
         let mut entries: Vec<_> = (0..techniques.len()).flat_map(entry).collect();
         entries.resize(entries.len().next_multiple_of(TABLE_ROW as usize), 0);
-        let [x, y, z] = rows(&labelled.label_from_voxel(plan.field()));
+        let [x, y, z] = rows(&labeled.label_from_voxel(plan.field()));
         let most = importances.iter().fold(0.0f32, |most, own| most.max(*own));
-        let of_groups = labelled.groups.iter();
+        let of_groups = labeled.groups.iter();
         let most = of_groups.fold(most, |most, group| most.max(group.importance));
         let rule = number_of(plan.global_rule);
         let by_place = plan.importance.map_or(0.0, |places| places.gain_of_runs);
@@ -55,7 +55,7 @@ impl SegmentTable {
             [outside as f32, stop, rule, most + by_place],
             [by_place, 0.0, 0.0, 0.0],
         ];
-        found_by.extend(labelled.groups.iter().map(|group| {
+        found_by.extend(labeled.groups.iter().map(|group| {
             let rule = number_of(group.rule);
             [rule, group.opacity, group.importance, 0.0]
         }));

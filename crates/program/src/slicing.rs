@@ -28,12 +28,12 @@ pub struct Slicing {
     pub order: Order,
     /// How a slice joins those before it.
     pub blend: Blend,
-    /// What is there before the first slice: premultiplied colour, opacity.
+    /// What is there before the first slice: premultiplied color, opacity.
     pub start: [f32; 4],
 }
 
 /// How what is drawn (the source) joins what is there (the destination): the blend state of the graphics
-/// interface. In the end the destination counts as premultiplied colour and opacity.
+/// interface. In the end the destination counts as premultiplied color and opacity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Blend {
     /// Of red, green and blue.
@@ -94,13 +94,13 @@ pub enum Operation {
 }
 
 impl Blend {
-    /// A slice behind those before it: premultiplied colours, nearest first.
+    /// A slice behind those before it: premultiplied colors, nearest first.
     pub const FRONT_TO_BACK: Blend = Blend::both(
         Factor::OneMinusDestinationOpacity,
         Factor::One,
         Operation::Add,
     );
-    /// A slice in front of those before it: premultiplied colours, farthest first.
+    /// A slice in front of those before it: premultiplied colors, farthest first.
     pub const BACK_TO_FRONT: Blend =
         Blend::both(Factor::One, Factor::OneMinusSourceOpacity, Operation::Add);
     /// The larger of each channel.

@@ -143,23 +143,23 @@ const VIEW_ANGLE_DEG: f64 = 30.0;
 const FIT: f64 = 0.96;
 
 /// Whether the volume looks like a patient's: it names a clinical modality, or its place in the
-/// world is more than what a writer makes up (1 mm steps, centred on the origin).
+/// world is more than what a writer makes up (1 mm steps, centered on the origin).
 pub(crate) fn is_patient(header: &VolumeHeader) -> bool {
     match header.metadata.modality {
         Some(Modality::Ct | Modality::Mr | Modality::Nuclear | Modality::Ultrasound) => true,
         Some(Modality::Microscopy | Modality::Simulation) => false,
         None => {
             let grid = &header.grid;
-            let centre = grid.centre_mm();
+            let center = grid.center_mm();
             let made_up = grid.spacing_mm() == DVec3::ONE
                 && grid.orientation() == "RAS"
-                && centre.abs().max_element() <= 1.0;
+                && center.abs().max_element() <= 1.0;
             header.metadata.has_length_unit && !made_up
         }
     }
 }
 
-/// Radius of the sphere about the voxel centres: what VTK calls the bounds of an image.
+/// Radius of the sphere about the voxel centers: what VTK calls the bounds of an image.
 fn bounding_radius_mm(grid: &Grid) -> f64 {
     let last = grid.extent_in_voxels().1 - 0.5;
     let axes = grid.world_from_voxel().matrix3;
@@ -173,7 +173,7 @@ fn bounding_radius_mm(grid: &Grid) -> f64 {
     if longest > 0.0 {
         0.5 * longest
     } else {
-        grid.centre_mm().distance(grid.corners_mm()[0])
+        grid.center_mm().distance(grid.corners_mm()[0])
     }
 }
 
@@ -228,7 +228,7 @@ impl Camera {
                     .unwrap_or_else(|| 2.0 * bounding_radius_mm(grid) / aspect(size).min(1.0)),
             },
         };
-        let focus = self.focus.unwrap_or_else(|| grid.centre_mm().to_array());
+        let focus = self.focus.unwrap_or_else(|| grid.center_mm().to_array());
         let place = self.place(header);
         let unzoomed = SettledCamera {
             projection,

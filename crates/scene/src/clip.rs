@@ -244,7 +244,7 @@ impl Clip {
         let (shape, frame, objects) = match self {
             Clip::Plane(plane) => {
                 let frame = plane.frame.as_deref().unwrap_or(WORLD);
-                let place = plane.place(&centre_in(frames, frame), path, checker);
+                let place = plane.place(&center_in(frames, frame), path, checker);
                 let normal = plane.normal;
                 let shape = SettledShape::Plane { normal, place };
                 (shape, frame, &plane.objects)
@@ -283,22 +283,22 @@ impl Clip {
 }
 
 /// The center of the volume of a frame, in mm of the frame; of the scene's own volume if the frame has none.
-fn centre_in(frames: &[PlacedFrame], frame: &str) -> DVec3 {
+fn center_in(frames: &[PlacedFrame], frame: &str) -> DVec3 {
     let found = frames.iter().find(|known| known.name == frame);
     let shows = found
         .filter(|frame| frame.grid.is_some())
         .or(frames.first());
-    let centre = shows.and_then(|frame| Some(frame.grid?.centre_mm()));
+    let center = shows.and_then(|frame| Some(frame.grid?.center_mm()));
     let world_from_object = found.map_or(DAffine3::IDENTITY, |frame| frame.world_from_object);
-    let centre = centre.unwrap_or(DVec3::ZERO);
+    let center = center.unwrap_or(DVec3::ZERO);
     match world_from_object == DAffine3::IDENTITY {
-        true => centre,
-        false => world_from_object.inverse().transform_point3(centre),
+        true => center,
+        false => world_from_object.inverse().transform_point3(center),
     }
 }
 
 impl PlaneClip {
-    fn place(&self, centre: &DVec3, path: &str, checker: &mut Checker) -> PlanePlace {
+    fn place(&self, center: &DVec3, path: &str, checker: &mut Checker) -> PlanePlace {
         if let (Some(_), Some(distance)) = (self.point, self.distance_mm) {
             checker.add(
                 format!("{path}.plane.distance_mm"),
@@ -308,7 +308,7 @@ impl PlaneClip {
         }
         match (self.point, self.distance_mm) {
             (None, Some(distance_mm)) => PlanePlace::DistanceMm(distance_mm),
-            (point, _) => PlanePlace::Point(point.unwrap_or(centre.to_array())),
+            (point, _) => PlanePlace::Point(point.unwrap_or(center.to_array())),
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Display colours and their way to linear light.
+//! Display colors and their way to linear light.
 
 use crate::plan::Compositing;
 #[cfg(feature = "schema")]
@@ -8,7 +8,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 use std::borrow::Cow;
 use std::fmt;
 
-/// A colour as people say it: sRGB, red, green, blue from 0 to 1.
+/// A color as people say it: sRGB, red, green, blue from 0 to 1.
 ///
 /// In a scene it is written `"#rrggbb"`, `"#rgb"` or `[red, green, blue]` with numbers from 0 to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,7 +20,7 @@ impl Color {
     /// Black.
     pub const BLACK: Color = Color([0.0; 3]);
 
-    /// The colour written `#rrggbb` or `#rgb`.
+    /// The color written `#rrggbb` or `#rgb`.
     ///
     /// # Errors
     /// What is wrong with the text, in words.
@@ -59,7 +59,7 @@ impl Color {
         self.0.map(|part| linear_from_srgb(part) as f32)
     }
 
-    /// In the numbers in which a plan adds colours up.
+    /// In the numbers in which a plan adds colors up.
     pub(crate) fn in_space(self, compositing: Compositing) -> [f32; 3] {
         match compositing {
             Compositing::Linear => self.linear(),
@@ -139,17 +139,17 @@ impl JsonSchema for Color {
     }
 }
 
-/// What is behind everything: a colour, or nothing (`"transparent"`).
+/// What is behind everything: a color, or nothing (`"transparent"`).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Background {
     /// The picture keeps its alpha.
     Transparent,
-    /// An opaque colour.
+    /// An opaque color.
     Color(Color),
 }
 
 impl Background {
-    /// Premultiplied RGBA in the numbers in which a plan adds colours up.
+    /// Premultiplied RGBA in the numbers in which a plan adds colors up.
     pub(crate) fn in_space(self, compositing: Compositing) -> [f32; 4] {
         match self {
             Background::Transparent => [0.0; 4],

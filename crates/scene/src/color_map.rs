@@ -1,4 +1,4 @@
-//! Built-in colour maps.
+//! Built-in color maps.
 
 use crate::Color;
 #[cfg(feature = "schema")]
@@ -73,7 +73,7 @@ impl ColorMap {
         }
     }
 
-    /// The colour at `position`, clamped to 0 to 1.
+    /// The color at `position`, clamped to 0 to 1.
     pub fn at(self, position: f64) -> Color {
         let position = position.clamp(0.0, 1.0);
         let continuous = |gradient: colorous::Gradient| {

@@ -19,7 +19,7 @@ pub(crate) struct SettledComposite {
     pub threshold: f64,
     /// Of `mida`.
     pub blend: f64,
-    /// Black and white where a number is shown as grey.
+    /// Black and white where a number is shown as gray.
     pub grey_range: [f64; 2],
     /// The share of light at which a ray ends.
     pub early_termination: f64,
@@ -156,7 +156,7 @@ impl SettledComposite {
     }
 }
 
-/// What is black and what is white where a number is shown as grey.
+/// What is black and what is white where a number is shown as gray.
 fn automatic_grey_range(debug: Option<DebugView>, steep_per_mm: f64, view: &DepthView) -> [f64; 2] {
     match debug {
         Some(DebugView::SampleCount) => [0.0, 1000.0],
@@ -196,7 +196,7 @@ impl DepthView<'_> {
         };
         let far = far.into_iter().fold(near, f64::max);
         if far > near {
-            // Three digits are enough for a grey, and can be read.
+            // Three digits are enough for a gray, and can be read.
             let tidy = |mm: f64| round_to_width(mm, far - near);
             [tidy(near), tidy(far)]
         } else {

@@ -1,19 +1,19 @@
 //! What every renderer may rely on in a Plan, also in one that was changed by hand.
 
 use crate::plan::{
-    Classify, Composite, Labelled, MOST_EDGE_PIXELS, MOST_FRAMES, MOST_GROUPS, MOST_LAYERS, Plan,
+    Classify, Composite, Labeled, MOST_EDGE_PIXELS, MOST_FRAMES, MOST_GROUPS, MOST_LAYERS, Plan,
     PlanImportance, Sampling, Segments,
 };
 
 /// That groups of segments are there, and have numbers.
-fn check_groups(labelled: &Labelled) -> Result<(), String> {
-    let number = labelled.groups.len();
+fn check_groups(labeled: &Labeled) -> Result<(), String> {
+    let number = labeled.groups.len();
     if number > MOST_GROUPS {
         return Err(format!(
             "there are {number} groups of segments; at most {MOST_GROUPS}"
         ));
     }
-    for group in &labelled.groups {
+    for group in &labeled.groups {
         let numbers = [group.opacity, group.importance];
         if !numbers.iter().all(|n| n.is_finite() && *n >= 0.0) {
             return Err(format!(
@@ -21,7 +21,7 @@ fn check_groups(labelled: &Labelled) -> Result<(), String> {
             ));
         }
     }
-    let mut looks = labelled.looks.values().chain([&labelled.others]);
+    let mut looks = labeled.looks.values().chain([&labeled.others]);
     match looks.find_map(|look| look.group.filter(|group| *group >= number)) {
         Some(group) => Err(format!(
             "a segment is in group {group}, of which there are {number}"
@@ -108,8 +108,8 @@ impl Plan {
             }
             match &layer.segments {
                 Segments::Whole { technique: number } => technique(*number)?,
-                Segments::Labelled(labelled) => {
-                    for look in labelled.looks.values().chain([&labelled.others]) {
+                Segments::Labeled(labeled) => {
+                    for look in labeled.looks.values().chain([&labeled.others]) {
                         look.technique.map_or(Ok(()), technique)?;
                         let numbers = look.tint.into_iter().chain([look.opacity, look.importance]);
                         if !numbers.fold(true, |all, n| all && n.is_finite() && n >= 0.0) {
@@ -119,7 +119,7 @@ impl Plan {
                         }
                     }
                     technique(0)?;
-                    check_groups(labelled)?;
+                    check_groups(labeled)?;
                     self.check_segments()?;
                 }
             }

@@ -49,7 +49,7 @@ fn of_values(plan: &Plan, headers: &Headers) -> Vec<String> {
             why.push(format!("all voxels have the value {lo}"));
         }
         // Of segments, each may be drawn in another way.
-        if plan.labelled().is_none() {
+        if plan.labeled().is_none() {
             why.extend(of_technique(plan.technique_of(layer), [lo, hi]));
         }
     }

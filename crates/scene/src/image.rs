@@ -3,7 +3,7 @@
 use crate::linear_from_srgb;
 use crate::plan::Compositing;
 
-/// Linear, premultiplied RGBA; row 0 is the top; colours use the sRGB primaries and are not tone
+/// Linear, premultiplied RGBA; row 0 is the top; colors use the sRGB primaries and are not tone
 /// mapped yet. The background is already in it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Image {
@@ -36,7 +36,7 @@ impl Image {
     }
 
     /// This picture of samples that were added up as `compositing` says, as linear light. What is not
-    /// opaque keeps its alpha; its colour is decoded as if it were alone.
+    /// opaque keeps its alpha; its color is decoded as if it were alone.
     pub fn into_linear(mut self, compositing: Compositing) -> Image {
         if compositing == Compositing::Display {
             for [r, g, b, a] in &mut self.pixels {

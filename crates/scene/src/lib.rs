@@ -9,7 +9,7 @@
 //! use strahl_scene::{Method, Scene, resolve};
 //! use strahl_volume::{Grid, Metadata, Rescale, Samples, Volume};
 //!
-//! let grid = Grid::centred([2, 2, 2], glam::DVec3::ONE)?;
+//! let grid = Grid::centered([2, 2, 2], glam::DVec3::ONE)?;
 //! let volume = Volume::new(grid, Samples::U8(vec![0; 8]), Rescale::IDENTITY, Metadata::default())?;
 //! let scene = Scene { method: Some(Method::Mip), size: Some([64, 48]), ..Scene::default() };
 //! let plan = resolve(&scene, &volume.header(), None)?;

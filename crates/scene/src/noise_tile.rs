@@ -41,7 +41,7 @@ impl NoiseTile {
             store.find(&NoiseTileKey(jitter), control, tile).map(Some)
         };
         match jitter {
-            Jitter::Centre | Jitter::Hash(_) | Jitter::SineHash => Ok(None),
+            Jitter::Center | Jitter::Hash(_) | Jitter::SineHash => Ok(None),
             Jitter::WhiteTile(seed) => make(&|| Ok(NoiseTile::white(seed))),
             Jitter::BlueTile(seed) => make(&|| NoiseTile::blue(seed, control)),
         }
@@ -106,7 +106,7 @@ fn shuffled(n: u32, seed: u32) -> Vec<u32> {
 const BLUE_EDGE: usize = 64;
 const BLUE_PIXELS: usize = BLUE_EDGE * BLUE_EDGE;
 
-/// How full the neighbourhood of each pixel of a repeated pattern is: a Gaussian of 1.5 pixels, the
+/// How full the neighborhood of each pixel of a repeated pattern is: a Gaussian of 1.5 pixels, the
 /// width that the paper recommends, in whole numbers so that every machine finds the same extremes.
 struct Fullness {
     kernel: Vec<u64>,
@@ -146,13 +146,13 @@ impl Fullness {
         }
     }
 
-    /// The set pixel with the fullest neighbourhood.
+    /// The set pixel with the fullest neighborhood.
     fn cluster(&self) -> usize {
         let set = (0..BLUE_PIXELS).filter(|&i| self.set[i]);
         set.max_by_key(|&i| (self.energy[i], i)).unwrap_or(0)
     }
 
-    /// The free pixel with the emptiest neighbourhood.
+    /// The free pixel with the emptiest neighborhood.
     fn void(&self) -> usize {
         let free = (0..BLUE_PIXELS).filter(|&i| !self.set[i]);
         free.min_by_key(|&i| (self.energy[i], i)).unwrap_or(0)

@@ -180,16 +180,16 @@ pub(crate) fn check_labels(grid: &Grid, labels: &Grid, checker: &mut Checker) ->
     let describe = |grid: &Grid| {
         let [x, y, z] = grid.dims();
         let spacing = grid.spacing_mm();
-        let centre = grid.centre_mm();
+        let center = grid.center_mm();
         format!(
             "{x}×{y}×{z} voxels of {:.4}×{:.4}×{:.4} mm, axes {}, centre ({:.2}, {:.2}, {:.2}) mm",
             spacing.x,
             spacing.y,
             spacing.z,
             grid.orientation(),
-            centre.x,
-            centre.y,
-            centre.z
+            center.x,
+            center.y,
+            center.z
         )
     };
     checker.add(

@@ -1,6 +1,6 @@
 //! The Plan: a scene with nothing left to decide, the contract of all renderers (`docs/plan.md`).
 //!
-//! No field is optional, every length is in mm or says its unit, every colour is linear, every
+//! No field is optional, every length is in mm or says its unit, every color is linear, every
 //! number is finite and inside its range. Only [`resolve`](crate::resolve) makes a Plan; a renderer
 //! that gets one meets no bad value any more.
 
@@ -55,11 +55,11 @@ pub struct Plan {
     /// Behind everything; premultiplied, in the space of `compositing`. Alpha 0 leaves the picture
     /// transparent.
     pub background: [f32; 4],
-    /// What the colours of tables, lights, meshes and background are, and therefore in which numbers
+    /// What the colors of tables, lights, meshes and background are, and therefore in which numbers
     /// samples are added up. Pictures are linear whatever this says: see
     /// [`Image::into_linear`](crate::Image::into_linear).
     pub compositing: Compositing,
-    /// Whether the distance of the hit is wanted beside the colour.
+    /// Whether the distance of the hit is wanted beside the color.
     pub with_depth: bool,
     /// How linear light becomes a picture file.
     pub display: Display,
@@ -112,7 +112,7 @@ pub struct Technique {
     pub table: TransferTable,
     /// The input of the gradient.
     pub gradient_input: GradientInput,
-    /// How a sample's colour follows from its surface colour, gradient and the lights.
+    /// How a sample's color follows from its surface color, gradient and the lights.
     pub shade: Shade,
     /// How samples in a row become one.
     pub composite: Composite,
@@ -137,13 +137,13 @@ pub enum Segments {
     },
     /// The segments of a label volume, each by a technique of its own. Such a layer is the only one, and its
     /// techniques have any [local rule](Composite::is_local).
-    Labelled(Box<Labelled>),
+    Labeled(Box<Labeled>),
 }
 
 /// The segments of a label volume. Beyond its extent is the segment with id 0.
 ///
 /// ```
-/// use strahl_scene::plan::{Composite, Labelled, SegmentLook, Segments};
+/// use strahl_scene::plan::{Composite, Labeled, SegmentLook, Segments};
 /// use strahl_scene::{Scene, resolve};
 /// use strahl_volume::{Datasets, Phantom};
 ///
@@ -155,7 +155,7 @@ pub enum Segments {
 /// let mut projection = plan.technique().clone();
 /// projection.composite = Composite::Mip;
 /// plan.techniques.push(projection);
-/// plan.layers[0].segments = Segments::Labelled(Box::new(Labelled {
+/// plan.layers[0].segments = Segments::Labeled(Box::new(Labeled {
 ///     labels: 0,
 ///     grid: *labels.grid(),
 ///     is_moved: false,
@@ -168,7 +168,7 @@ pub enum Segments {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
-pub struct Labelled {
+pub struct Labeled {
     /// Which of the label volumes.
     pub labels: usize,
     /// Where its voxels lie in the world, with all transforms.
@@ -203,7 +203,7 @@ pub const MOST_GROUPS: usize = 8;
 pub struct SegmentLook {
     /// By which of the techniques; `None` hides the segment.
     pub technique: Option<usize>,
-    /// What the colour of each of its runs is multiplied by; in the space of `compositing`.
+    /// What the color of each of its runs is multiplied by; in the space of `compositing`.
     pub tint: [f32; 3],
     /// What the opacity of each of its runs is multiplied by, 0 to 1.
     pub opacity: f32,
@@ -299,7 +299,7 @@ pub struct NumberedSegments {
     pub outside: u32,
 }
 
-impl Labelled {
+impl Labeled {
     /// The map from the voxels of `field` to those of the label volume: no map where both have one grid.
     pub fn label_from_voxel(&self, field: &Field) -> DAffine3 {
         if self.grid == field.grid {
@@ -384,30 +384,30 @@ impl Plan {
     pub(crate) fn technique_number(&self, layer: usize) -> usize {
         match self.layers[layer].segments {
             Segments::Whole { technique } => technique,
-            Segments::Labelled(_) => 0,
+            Segments::Labeled(_) => 0,
         }
     }
 
     /// The segments of the layer, if it has those of a label volume.
-    pub fn labelled(&self) -> Option<&Labelled> {
+    pub fn labeled(&self) -> Option<&Labeled> {
         match &self.layers[0].segments {
             Segments::Whole { .. } => None,
-            Segments::Labelled(labelled) => Some(labelled),
+            Segments::Labeled(labeled) => Some(labeled),
         }
     }
 
     /// Whether the importance of runs makes a difference.
     pub fn weighs_runs(&self) -> bool {
         let is_weighing = |rule: GlobalRule| rule == GlobalRule::ImportanceAware;
-        self.labelled().is_some_and(|labelled| {
-            is_weighing(self.global_rule) || labelled.groups.iter().any(|g| is_weighing(g.rule))
+        self.labeled().is_some_and(|labeled| {
+            is_weighing(self.global_rule) || labeled.groups.iter().any(|g| is_weighing(g.rule))
         })
     }
 
     /// Among what the samples of a ray choose: the techniques of the layers, in their order; of one with
     /// segments all techniques.
     pub fn drawn_techniques(&self) -> impl Iterator<Item = &Technique> {
-        let (of_segments, of_layers) = match self.labelled() {
+        let (of_segments, of_layers) = match self.labeled() {
             Some(_) => (&self.techniques[..], &self.layers[..0]),
             None => (&self.techniques[..0], &self.layers[..]),
         };
@@ -417,7 +417,7 @@ impl Plan {
 
     /// How all that a ray meets adds up: the rule of the one technique, or that of runs of segments.
     pub fn composite(&self) -> Composite {
-        match self.labelled() {
+        match self.labeled() {
             Some(_) => Composite::EmissionAbsorption {
                 stop_at_transmittance: self.global_rule.stop_at_transmittance(),
             },
@@ -428,7 +428,7 @@ impl Plan {
     /// Whether all layers are drawn in the same way, but for their tables, and none has segments.
     pub fn has_one_technique(&self) -> bool {
         let first = self.technique();
-        self.labelled().is_none()
+        self.labeled().is_none()
             && self.drawn_techniques().all(|technique| {
                 technique.classify == first.classify
                     && technique.gradient_input == first.gradient_input
@@ -457,7 +457,7 @@ pub struct PlanMesh {
     pub mesh: usize,
     /// Its place.
     pub world_from_mesh: DAffine3,
-    /// Its colour, lit by the lights of the Plan as [`Illuminate::Lambert`] with diffuse 0.75 and ambient 0.25.
+    /// Its color, lit by the lights of the Plan as [`Illuminate::Lambert`] with diffuse 0.75 and ambient 0.25.
     pub color: [f32; 3],
 }
 
@@ -470,12 +470,12 @@ pub struct PlanModule {
     pub values: Vec<(String, Vec<f64>)>,
 }
 
-/// In which numbers colours are added up.
+/// In which numbers colors are added up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Compositing {
     /// Linear light: what light does.
     Linear,
-    /// sRGB-encoded numbers, as programs do that know no colour spaces; for pictures that have to
+    /// sRGB-encoded numbers, as programs do that know no color spaces; for pictures that have to
     /// match theirs.
     Display,
 }
@@ -549,7 +549,7 @@ impl PlanCamera {
         [near, far]
     }
 
-    /// The ray through the centre of the pixel in column `x`, row `y` of a `width` × `height`
+    /// The ray through the center of the pixel in column `x`, row `y` of a `width` × `height`
     /// picture (row 0 is the top).
     pub fn ray(&self, x: u32, y: u32, width: u32, height: u32) -> Ray {
         let aspect = f64::from(width) / f64::from(height);
@@ -586,7 +586,7 @@ pub struct Lattice {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Jitter {
     /// In the middle: 0.5 for every ray.
-    Centre,
+    Center,
     /// A hash of column, row, this seed and the frame, so that a picture can be made again.
     Hash(u32),
     /// The trigonometric hash fract(cos(11.55·x + 42.123·y)·35684.525), moved on by the golden ratio
@@ -745,7 +745,7 @@ pub enum ClipShape {
     Ellipsoid,
     /// The cylinder along z.
     Cylinder,
-    /// Where the values of a mask, linear between its voxel centres, are above a threshold. The cube is
+    /// Where the values of a mask, linear between its voxel centers, are above a threshold. The cube is
     /// the extent of the mask's grid; outside it is no mask.
     Mask {
         /// Which of the masks.

@@ -192,7 +192,7 @@ fn plan_lattice(settled: &SettledScene, checker: &mut Checker) -> Lattice {
     Lattice {
         step_mm: settled.step.plan(&settled.framed, spacing_mm, checker),
         jitter: match settled.jitter {
-            Jitter::Off => PlanJitter::Centre,
+            Jitter::Off => PlanJitter::Center,
             Jitter::Seed(seed) => PlanJitter::Hash(seed),
             Jitter::SineHash => PlanJitter::SineHash,
             Jitter::WhiteTile(seed) => PlanJitter::WhiteTile(seed),

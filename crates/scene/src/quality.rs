@@ -36,7 +36,7 @@ impl Quality {
         }
     }
 
-    /// Whether the value itself is shown as grey, without a transfer function.
+    /// Whether the value itself is shown as gray, without a transfer function.
     pub(crate) fn shows_values(self, method: Method) -> bool {
         self == Quality::Minimum && !method.is_projection()
     }

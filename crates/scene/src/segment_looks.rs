@@ -2,7 +2,7 @@
 
 use crate::headers::LabelHeader;
 use crate::nearest::nearest;
-use crate::plan::{Compositing, GlobalRule, Labelled, SegmentGroup, SegmentLook};
+use crate::plan::{Compositing, GlobalRule, Labeled, SegmentGroup, SegmentLook};
 use crate::problem::{Checker, Within};
 use crate::segments::{OfGroup, SegmentChoice, SegmentComposite, SegmentUse};
 use crate::technique::{SCENE, SOLID, SegmentTechnique};
@@ -181,7 +181,7 @@ pub(crate) fn plan(
     compositing: Compositing,
     number: impl Fn(&str) -> Option<(usize, bool)>,
     rule: impl Fn(SegmentComposite) -> GlobalRule,
-) -> Labelled {
+) -> Labeled {
     let mut groups: Vec<Group> = Vec::new();
     let mut look = |id: u32, label: Option<&Label>| {
         let Drawn {
@@ -224,7 +224,7 @@ pub(crate) fn plan(
             importance: group.importance as f32,
         }
     };
-    Labelled {
+    Labeled {
         labels: 0,
         grid,
         is_moved: grid != labels.grid,

@@ -76,9 +76,9 @@ pub(crate) fn with_segments(
     let compositing = plan.compositing;
     let number = |name: &str| numbers.get(name).copied();
     let all = (uses, techniques);
-    let labelled = segment_looks::plan(all, labels, grid, compositing, number, rule);
-    if labelled.groups.len() > MOST_GROUPS {
-        let number = labelled.groups.len();
+    let labeled = segment_looks::plan(all, labels, grid, compositing, number, rule);
+    if labeled.groups.len() > MOST_GROUPS {
+        let number = labeled.groups.len();
         checker.add(
             "segments",
             format!("drawn in {number} groups of two-level techniques"),
@@ -87,7 +87,7 @@ pub(crate) fn with_segments(
             ),
         );
     }
-    plan.layers[0].segments = Segments::Labelled(Box::new(labelled));
+    plan.layers[0].segments = Segments::Labeled(Box::new(labeled));
     // Techniques do not know the camera.
     place_depths(&mut plan);
     Some(plan)

@@ -1,4 +1,4 @@
-//! Which segments of a label volume are drawn how: from what a scene says to the Plan's [`Labelled`].
+//! Which segments of a label volume are drawn how: from what a scene says to the Plan's [`Labeled`].
 
 use crate::Color;
 use crate::headers::LabelHeader;

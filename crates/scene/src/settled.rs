@@ -56,7 +56,7 @@ pub(crate) struct SettledScene {
     pub meshes: Vec<SettledMesh>,
     /// A grid around everything: what the camera frames.
     pub framed: Grid,
-    /// Whether the value itself is shown as grey, without a transfer function.
+    /// Whether the value itself is shown as gray, without a transfer function.
     pub shows_values: bool,
     pub composite: SettledComposite,
     pub shading: SettledShading,

@@ -1,4 +1,4 @@
-//! How light and surface make a colour: from what a scene says to the Plan's [`Shade`].
+//! How light and surface make a color: from what a scene says to the Plan's [`Shade`].
 
 use crate::plan::Shade;
 use crate::problem::{Checker, Within};

@@ -86,13 +86,13 @@ impl Plan {
                 });
             }
         }
-        if let Some(labelled) = self.labelled() {
-            OtherData::unless_there("label volume", labelled.labels, data.labels.len())?;
-            let own = data.labels[labelled.labels].grid();
-            let has_place = labelled.is_moved || labelled.grid == *own;
-            if labelled.grid.dims() != own.dims() || !has_place {
+        if let Some(labeled) = self.labeled() {
+            OtherData::unless_there("label volume", labeled.labels, data.labels.len())?;
+            let own = data.labels[labeled.labels].grid();
+            let has_place = labeled.is_moved || labeled.grid == *own;
+            if labeled.grid.dims() != own.dims() || !has_place {
                 return Err(OtherData::LabelGrid {
-                    plan: labelled.grid.dims(),
+                    plan: labeled.grid.dims(),
                     labels: own.dims(),
                 });
             }

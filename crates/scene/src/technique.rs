@@ -39,7 +39,7 @@ pub struct SegmentTechnique {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub blend: Option<f64>,
     /// Value → color and opacity. Without it, and without a preset: white, so that segments have their own colors; solid,
-    /// or for projections grey over the window.
+    /// or for projections gray over the window.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub transfer_function: Option<TransferFunction>,
     /// How light and surface make a color.

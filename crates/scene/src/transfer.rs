@@ -1,4 +1,4 @@
-//! Transfer functions: value → colour and opacity.
+//! Transfer functions: value → color and opacity.
 
 use std::ops::Range;
 
@@ -15,7 +15,7 @@ pub struct TransferTable {
 
 impl TransferTable {
     /// A table over the values `domain[0] < domain[1]`; `entries` (at least two) hold linear RGB, not
-    /// multiplied by alpha, and the opacity of `reference_mm` millimetres of material.
+    /// multiplied by alpha, and the opacity of `reference_mm` millimeters of material.
     ///
     /// # Panics
     /// If there are fewer than two entries, the domain is empty, or the reference is not above 0.
@@ -75,7 +75,7 @@ impl TransferTable {
         &self.entries
     }
 
-    /// Colour and opacity at `value`, the defining form: index (value − d0)·(n − 1)/(d1 − d0),
+    /// Color and opacity at `value`, the defining form: index (value − d0)·(n − 1)/(d1 − d0),
     /// clamped, linear between entries. NaN gives transparent black.
     pub fn at(&self, value: f32) -> [f32; 4] {
         if value.is_nan() {

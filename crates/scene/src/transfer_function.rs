@@ -96,7 +96,7 @@ pub struct TransferPoint {
     pub value: f64,
     /// Opacity of one reference length of this value, 0 to 1.
     pub opacity: Option<f64>,
-    /// Colour.
+    /// Color.
     pub color: Option<Color>,
 }
 
@@ -212,7 +212,7 @@ const FEWEST_ENTRIES: usize = 1 << 12;
 pub(crate) struct SettledFunction {
     /// In values.
     pub points: Vec<TransferPoint>,
-    /// `None`: colours are the points'.
+    /// `None`: colors are the points'.
     pub color_map: Option<ColorMap>,
     /// At the ends of the window; `None`: opacities are the points'.
     pub opacity: Option<[f64; 2]>,
@@ -297,7 +297,7 @@ impl TransferFunction {
                 point.value = round_to_width(level + (point.value - 0.5) * width, width);
             }
         }
-        // The window has done its work unless a colour map or a ramp stands on it.
+        // The window has done its work unless a color map or a ramp stands on it.
         let stands_on_window = !colors || !opacities || says_window;
         SettledFunction {
             points,
@@ -322,7 +322,7 @@ impl TransferFunction {
     }
 
     /// This transfer function with what it does not say taken from a preset's. Points replace the
-    /// preset's altogether; a colour map replaces its colours, the two opacities its opacities; a
+    /// preset's altogether; a color map replaces its colors, the two opacities its opacities; a
     /// window moves points that count in it and replaces those that count in values.
     pub(crate) fn over(&self, preset: &TransferFunction) -> TransferFunction {
         if self.points.is_some() || self.regions.is_some() {
@@ -623,7 +623,7 @@ impl Curves {
         }
         let stored_step = header.rescale.slope.abs();
         // From one stored value below the first piece to one above the last. (Far away from the volume
-        // numbers are too coarse to be told apart from their neighbours.)
+        // numbers are too coarse to be told apart from their neighbors.)
         let below = ((lo - range_lo) / stored_step).floor() - 1.0;
         let above = ((hi - range_lo) / stored_step).ceil() + 1.0;
         let stored_steps = above - below;

@@ -213,12 +213,12 @@ fn of_reached_further<T: Copy + Default + Send>(
     // The next bricks hold them.
     let ranges = bricks.ranges().collect();
     let join = |range: &mut BrickRange, other: &BrickRange| *range = range.joined(*other);
-    let ranges = joined_with_neighbours(bricks.dims(), ranges, join, control)?;
+    let ranges = joined_with_neighbors(bricks.dims(), ranges, join, control)?;
     Ok(ranges.into_iter().map(of).collect())
 }
 
 /// What each brick and the 26 around it have, joined.
-fn joined_with_neighbours<T: Copy>(
+fn joined_with_neighbors<T: Copy>(
     dims: [usize; 3],
     mut of_bricks: Vec<T>,
     join: impl Fn(&mut T, &T),
@@ -323,7 +323,7 @@ mod tests {
                 .map(|i| ((i + 1).wrapping_mul(seed | 1) >> 32) as u8)
                 .collect();
             let larger = |most: &mut u8, other: &u8| *most = (*most).max(*other);
-            let largest = joined_with_neighbours(dims, numbers.clone(), larger, &Control::NONE);
+            let largest = joined_with_neighbors(dims, numbers.clone(), larger, &Control::NONE);
             let largest = largest.unwrap();
             let place = |i: usize| [i % dims[0], i / dims[0] % dims[1], i / (dims[0] * dims[1])];
             for (i, got) in largest.iter().enumerate() {

@@ -62,7 +62,7 @@ pub fn keys_without_effect(scene: &Scene, plan: &Plan, headers: &Headers) -> Vec
         "lights",
         "nothing is lit",
     );
-    match (&headers.labels, plan.labelled()) {
+    match (&headers.labels, plan.labeled()) {
         (Some(labels), Some(_)) => {
             let names = technique_names(scene, labels);
             of_segments(scene, plan, &names, &all, &mut keys);
@@ -178,15 +178,15 @@ fn of_samples(scene: &Scene, plan: &Plan, all: &[Reads], keys: &mut Keys) {
                 .as_ref()
                 .is_some_and(|f| f.contains_key("composite"));
             let has = function.parameter("stop_at_transmittance").is_some();
-            reads.is_open || (has && (!is_chosen || plan.labelled().is_some()))
+            reads.is_open || (has && (!is_chosen || plan.labeled().is_some()))
         };
-        let of_runs = plan.labelled().is_some()
+        let of_runs = plan.labeled().is_some()
             && matches!(plan.global_rule, GlobalRule::EmissionAbsorption { .. });
         let why = format!("{word} does not use it");
         keys.unless(of_runs || any(&ends), "early_termination", why);
     }
     let averages = scene.frames.is_some_and(|frames| frames > 1);
-    let is_jittered = plan.lattice.jitter != Jitter::Centre;
+    let is_jittered = plan.lattice.jitter != Jitter::Center;
     keys.unless(
         !averages || is_jittered,
         "frames",

@@ -125,7 +125,7 @@ for_each_function! { Illuminate => words! {
     ShadingModel of "illuminate", "a shading model" {
         /// The color of the transfer function, unchanged.
         Unlit "unlit",
-        /// The colour as it is, the opacity by the gradient: borders stay, insides fade.
+        /// The color as it is, the opacity by the gradient: borders stay, insides fade.
         GradientOpacity "gradient-opacity",
     }
 } }

@@ -95,7 +95,7 @@ struct CornerOfPicture {
     /// From the upper left end of the picture, in its width and height. Corners lie outside.
     picture: vec2f,
     place_mm: vec3f,
-    /// Not normalised: one mm along the view axis.
+    /// Not normalized: one mm along the view axis.
     along: vec3f,
 }
 

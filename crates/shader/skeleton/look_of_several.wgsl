@@ -1,5 +1,5 @@
 // All objects at this place, none before another: what passes is the product of what passes each,
-// and each gives its colour by its opacity.
+// and each gives its color by its opacity.
 fn look(sample: Sample) -> Surface {
     var passing = 1.0;
     var color = vec3f(0.0);

@@ -174,7 +174,7 @@ fn line_of(ray: Ray) -> Line {
     return Line(rows_times(rows, vec4f(ray.origin_mm, 1.0)), rows_times(rows, vec4f(ray.direction, 0.0)));
 }
 
-// Where a ray is inside the sampled extent: half a voxel around the voxel centres.
+// Where a ray is inside the sampled extent: half a voxel around the voxel centers.
 fn extent_mm(line: Line) -> vec2f {
     let end = vec3f(dims()) - 0.5;
     let low = (vec3f(-0.5) - line.start) / line.along;
@@ -207,9 +207,9 @@ fn empty_points(position: vec3f, step: vec3f) -> f32 {
 }
 
 fn ray_of(pixel: vec2u) -> Ray {
-    let centre = vec2f(pixel) + 0.5;
-    let across = (2.0 * centre.x / f32(frame.size.x) - 1.0) * frame.aspect;
-    let upward = 1.0 - 2.0 * centre.y / f32(frame.size.y);
+    let center = vec2f(pixel) + 0.5;
+    let across = (2.0 * center.x / f32(frame.size.x) - 1.0) * frame.aspect;
+    let upward = 1.0 - 2.0 * center.y / f32(frame.size.y);
     let offset = (across * frame.right + upward * frame.up) * frame.half_height;
     if frame.is_perspective == 1u {
         return Ray(frame.eye_mm, normalize(frame.forward + offset));

@@ -1,6 +1,6 @@
 // Types that every module may use.
 
-/// Colour in linear light, not multiplied by the opacity, and the opacity of the reference length.
+/// Color in linear light, not multiplied by the opacity, and the opacity of the reference length.
 struct Surface {
     color: vec3f,
     opacity: f32,

@@ -33,7 +33,7 @@ pub fn jaw(dims: [usize; 3]) -> Result<Volume, Error> {
             "an axis has at most 1024 voxels",
         ));
     }
-    let grid = Grid::centred(dims, DVec3::ONE)?;
+    let grid = Grid::centered(dims, DVec3::ONE)?;
     let [nx, ny, nz] = dims;
     let scale = 2.0 / nx as f64;
     let at = |i: usize, n: usize| (i as f64 - 0.5 * (n as f64 - 1.0)) * scale;

@@ -123,7 +123,7 @@ mod tests {
 
     #[test]
     fn values_survive() {
-        let grid = Grid::centred([2, 2, 2], glam::DVec3::ONE).unwrap();
+        let grid = Grid::centered([2, 2, 2], glam::DVec3::ONE).unwrap();
         let rescale = Rescale::new(0.5, -10.0);
         let stored = [-32768i16, -1000, -1, 0, 1, 2, 1000, 32767];
         let cases = [

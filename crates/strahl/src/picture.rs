@@ -1,6 +1,6 @@
 //! Picture files: PNG for display, EXR for further processing. Both contain their scene.
 //!
-//! A renderer's [`Image`] is linear and premultiplied. PNG gets display numbers: colour divided by
+//! A renderer's [`Image`] is linear and premultiplied. PNG gets display numbers: color divided by
 //! alpha, times the exposure, tone mapped, encoded in sRGB or by a power, edges smoothed if wanted,
 //! rounded without dithering, with an `sRGB` or `gAMA` chunk that says so. EXR gets the light as it is:
 //! linear, premultiplied, without exposure and tone map; and the depth, if there is one.

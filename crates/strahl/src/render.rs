@@ -559,15 +559,15 @@ fn has_depth(plan: &plan::Plan) -> bool {
     };
     !plan.meshes.is_empty()
         || !plan.modules.is_empty()
-        || plan.labelled().is_some()
+        || plan.labeled().is_some()
         || plan.drawn_techniques().any(reports)
 }
 
 /// A note if the picture shows nothing but its background.
 fn of_emptiness(rendered: &Rendered, plan: &plan::Plan, headers: &Headers) -> Option<Note> {
     // There is a note already if every segment is hidden.
-    if let Some(labelled) = plan.labelled() {
-        let mut looks = labelled.looks.values().chain([&labelled.others]);
+    if let Some(labeled) = plan.labeled() {
+        let mut looks = labeled.looks.values().chain([&labeled.others]);
         if looks.all(|look| look.technique.is_none()) {
             return None;
         }

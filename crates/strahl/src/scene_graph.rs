@@ -329,7 +329,7 @@ impl SceneGraph {
                         "{edge} columns and rows; allowed: 2 to {most}"
                     )));
                 }
-                let technique = match plan.labelled() {
+                let technique = match plan.labeled() {
                     Some(_) => plan.techniques.get(object),
                     None => (plan.layers.get(object)).map(|_| plan.technique_of(object)),
                 };
@@ -418,7 +418,7 @@ fn file_to_carry(path: &Path) -> Option<Vec<u8>> {
     (bytes.len() as u64 <= limit).then_some(bytes)
 }
 
-/// A PNG as linear colours.
+/// A PNG as linear colors.
 fn picture(path: &Path, carried: Option<&[u8]>) -> Result<Table2d, Error> {
     if let Some(bytes) = carried {
         return texels(path, std::io::Cursor::new(bytes));

@@ -19,7 +19,7 @@ use std::ops::Range;
 ///
 /// ```
 /// use strahl_volume::{Grid, Metadata, Rescale, Samples, Volume, bends::bends};
-/// let grid = Grid::centred([4, 1, 1], glam::DVec3::ONE)?;
+/// let grid = Grid::centered([4, 1, 1], glam::DVec3::ONE)?;
 /// let samples = Samples::U8(vec![5, 6, 7, 3]);
 /// let volume = Volume::new(grid, samples, Rescale::IDENTITY, Metadata::default())?;
 /// assert_eq!(bends(&volume, 4), [[-5.0, 4.0]]);
@@ -251,7 +251,7 @@ mod tests {
             } else {
                 Samples::F32(noise.map(|n| n as f32 - 3e4).collect())
             };
-            let grid = Grid::centred(voxels, glam::DVec3::ONE).unwrap();
+            let grid = Grid::centered(voxels, glam::DVec3::ONE).unwrap();
             let volume =
                 Volume::new(grid, samples, Rescale::IDENTITY, Metadata::default()).unwrap();
             let dims = voxels.map(|n| (n - 1).div_ceil(edge).max(1));

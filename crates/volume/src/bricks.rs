@@ -9,7 +9,7 @@ use std::ops::Range;
 
 /// The smallest and the largest number that reconstruction can find in each brick of a volume.
 ///
-/// A brick is a block of [`edge`](Bricks::edge)³ *cells* (a cell lies between eight neighbouring voxels),
+/// A brick is a block of [`edge`](Bricks::edge)³ *cells* (a cell lies between eight neighboring voxels),
 /// so that its range covers the voxels of its far faces too, which the next brick has as well.
 /// Cell `i` of an axis spans the positions i to i + 1 in voxel space; positions in the outer half
 /// voxel belong to the first and the last cell, an axis of a single voxel has a single cell.
@@ -24,7 +24,7 @@ use std::ops::Range;
 ///
 /// ```
 /// use strahl_volume::{Grid, Metadata, Rescale, Samples, Volume, bricks::Bricks};
-/// let grid = Grid::centred([3, 1, 1], glam::DVec3::ONE)?;
+/// let grid = Grid::centered([3, 1, 1], glam::DVec3::ONE)?;
 /// let volume = Volume::new(grid, Samples::U8(vec![7, 9, 4]), Rescale::IDENTITY, Metadata::default())?;
 /// let bricks = Bricks::new(&volume);
 /// assert_eq!(bricks.dims(), [1, 1, 1]);
@@ -308,7 +308,7 @@ impl Blocks<'_> {
     /// The smallest and the largest of the `numbers` of samples in each brick; `empty` is the range of none.
     ///
     /// One row of bricks (along x) after the other: first the range over y and z of every voxel column,
-    /// then along x. The long inner loops run over neighbouring voxels and vectorise.
+    /// then along x. The long inner loops run over neighboring voxels and vectorize.
     fn ranges<T: Sample, N: PartialOrd + Copy + Send + Sync>(
         &self,
         samples: &[T],
@@ -321,7 +321,7 @@ impl Blocks<'_> {
         let larger = |a: N, b: N| if b > a { b } else { a };
         let row_of_bricks = |row: usize, ranges: &mut [[N; 2]]| {
             let (by, bz) = (row % self.dims[1], row / self.dims[1]);
-            // Apart, so that neighbours lie side by side.
+            // Apart, so that neighbors lie side by side.
             let (mut smallest, mut largest) = (vec![empty[0]; nx], vec![empty[1]; nx]);
             for z in self.touched(bz, nz) {
                 for y in self.touched(by, ny) {
@@ -415,7 +415,7 @@ mod tests {
                 4 => Samples::I32(noise.map(|n| n as i32 - 30_000).collect()),
                 _ => Samples::F32(noise.map(|n| if n % 5 == 0 { f32::NAN } else { n as f32 - 3e4 }).collect()),
             };
-            let grid = Grid::centred(voxels, glam::DVec3::ONE).unwrap();
+            let grid = Grid::centered(voxels, glam::DVec3::ONE).unwrap();
             let bricks = made(Bricks::of(&grid, &samples, edge, reach, &Control::NONE));
             let ends = |range: BrickRange| [range.lo, range.hi];
             prop_assert_eq!(bricks.map(ends), bricks.ranges().map(ends).collect::<Vec<_>>());
@@ -435,7 +435,7 @@ mod tests {
     #[test]
     fn number_of_bricks_covers_every_cell() {
         for (voxels, bricks) in [(1, 1), (2, 1), (9, 1), (10, 2), (17, 2), (18, 3)] {
-            let grid = Grid::centred([voxels, 1, 1], glam::DVec3::ONE).unwrap();
+            let grid = Grid::centered([voxels, 1, 1], glam::DVec3::ONE).unwrap();
             let samples = Samples::U8(vec![0; voxels]);
             let found = made(Bricks::of(&grid, &samples, 8, 0, &Control::NONE));
             assert_eq!(found.dims(), [bricks, 1, 1], "{voxels} voxels");
@@ -444,7 +444,7 @@ mod tests {
 
     #[test]
     fn nothing_but_nan_is_an_empty_range() {
-        let grid = Grid::centred([2, 2, 2], glam::DVec3::ONE).unwrap();
+        let grid = Grid::centered([2, 2, 2], glam::DVec3::ONE).unwrap();
         let samples = Samples::F64(vec![f64::NAN; 8]);
         let bricks = made(Bricks::of(&grid, &samples, 8, 0, &Control::NONE));
         assert!(bricks.range([0, 0, 0]).is_empty());

@@ -5,9 +5,9 @@ use glam::{DAffine3, DMat3, DVec3};
 
 /// The place of a grid in the world.
 ///
-/// World space is patient RAS in millimetres (x to the patient's right, y to the front, z to the
-/// head); grids without units count as 1 mm. Voxel centres lie at whole-number indices. The sampled
-/// extent is the hull of the voxel centres plus half a voxel on every side.
+/// World space is patient RAS in millimeters (x to the patient's right, y to the front, z to the
+/// head); grids without units count as 1 mm. Voxel centers lie at whole-number indices. The sampled
+/// extent is the hull of the voxel centers plus half a voxel on every side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grid {
     dims: [usize; 3],
@@ -86,11 +86,11 @@ impl Grid {
         })
     }
 
-    /// An axis-aligned grid (voxel axes = R, A, S) with its centre at the world's origin.
+    /// An axis-aligned grid (voxel axes = R, A, S) with its center at the world's origin.
     ///
     /// # Errors
     /// As [`Grid::new`].
-    pub fn centred(dims: [usize; 3], spacing_mm: DVec3) -> Result<Grid, Error> {
+    pub fn centered(dims: [usize; 3], spacing_mm: DVec3) -> Result<Grid, Error> {
         let last = DVec3::new(
             dims[0] as f64 - 1.0,
             dims[1] as f64 - 1.0,
@@ -132,7 +132,7 @@ impl Grid {
         self.voxel_from_world
     }
 
-    /// Distance between neighbouring voxel centres along x, y, z in mm.
+    /// Distance between neighboring voxel centers along x, y, z in mm.
     pub fn spacing_mm(&self) -> DVec3 {
         let m = self.world_from_voxel.matrix3;
         DVec3::new(m.x_axis.length(), m.y_axis.length(), m.z_axis.length())
@@ -170,8 +170,8 @@ impl Grid {
         })
     }
 
-    /// The centre of the grid in RAS mm.
-    pub fn centre_mm(&self) -> DVec3 {
+    /// The center of the grid in RAS mm.
+    pub fn center_mm(&self) -> DVec3 {
         let (lo, hi) = self.extent_in_voxels();
         self.world_from_voxel.transform_point3(0.5 * (lo + hi))
     }

@@ -98,7 +98,7 @@ mod tests {
     use glam::DVec3;
 
     fn of(samples: Samples) -> LabelNumbers {
-        let grid = Grid::centred([samples.len(), 1, 1], DVec3::ONE).unwrap();
+        let grid = Grid::centered([samples.len(), 1, 1], DVec3::ONE).unwrap();
         let volume = Volume::new(grid, samples, Rescale::IDENTITY, Metadata::default()).unwrap();
         LabelVolume::from_volume(volume, Vec::new())
             .unwrap()

@@ -223,7 +223,7 @@ mod tests {
     fn a_mask_has_the_voxels_of_its_labels() {
         let dims = [20, 20, 9];
         let count = dims.iter().product::<usize>();
-        let grid = Grid::centred(dims, DVec3::ONE).unwrap();
+        let grid = Grid::centered(dims, DVec3::ONE).unwrap();
         let ids: Vec<u32> = (0..count as u32).map(|i| (i / 700) % 4 * 1000).collect();
         let named = Label::new(7, "nowhere");
         let volume = |samples| Volume::new(grid, samples, Rescale::IDENTITY, Metadata::default());
@@ -246,7 +246,7 @@ mod tests {
 
     #[test]
     fn whole_numbers_of_any_type_are_ids_and_others_are_refused_by_voxel() {
-        let grid = Grid::centred([2, 3, 2], DVec3::ONE).unwrap();
+        let grid = Grid::centered([2, 3, 2], DVec3::ONE).unwrap();
         let of = |samples, slope| {
             let rescale = Rescale::new(slope, 0.0);
             let volume = Volume::new(grid, samples, rescale, Metadata::default()).unwrap();

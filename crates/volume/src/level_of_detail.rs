@@ -17,7 +17,7 @@ impl Volume {
     /// A voxel of a whole level is the mean of the 2 × 2 × 2 voxels of the level before. Where the
     /// number n of voxels along an axis is odd, three voxels are weighted so that every voxel has the
     /// same share in the (n − 1)/2 new ones (S. Guthe, P. Heckbert 2005, *Non-power-of-two
-    /// mipmapping*). The new grid places every voxel at the centre of what it is the mean of. So
+    /// mipmapping*). The new grid places every voxel at the center of what it is the mean of. So
     /// means stay, linear ramps stay where they are in the world, and the extent shrinks by
     /// 1/n of a voxel at an odd n, else not at all. An axis of one voxel stays as it is.
     ///
@@ -114,7 +114,7 @@ fn halved_axis(n: usize) -> (Vec<Shares>, f64, f64) {
                 weights: [(m - i) as f64, m as f64, (1 + i) as f64].map(|w| w / length),
                 count: 3,
             };
-            // The centre of gravity of voxel i is (m + 2)/n + i·(2 + 2/n).
+            // The center of gravity of voxel i is (m + 2)/n + i·(2 + 2/n).
             let start = (m + 2) as f64 / length;
             ((0..m).map(three).collect(), start, 2.0 + 2.0 / length)
         }
@@ -376,7 +376,7 @@ mod tests {
         for dims in [[8, 4, 2], [9, 7, 5]] {
             let volume = volume(dims, noise, SampleType::U8);
             let level = volume.at_level(1.0).unwrap();
-            assert!(level.grid().centre_mm().distance(volume.grid().centre_mm()) < 1e-9);
+            assert!(level.grid().center_mm().distance(volume.grid().center_mm()) < 1e-9);
             let size = |grid: &Grid| {
                 let n = DVec3::from_array(grid.dims().map(|n| n as f64));
                 n * grid.spacing_mm() / volume.grid().spacing_mm()
@@ -402,7 +402,7 @@ mod tests {
             assert!((between.value(x, y, z) - finer.value(x, y, z)).abs() < 1e-9);
         }
         // A single bright voxel of 4 × 1 × 1: [0, 8 | 0, 0] becomes [4, 0] at −0.25, 0.25, 0.75, 1.25.
-        let grid = Grid::centred([4, 1, 1], DVec3::ONE).unwrap();
+        let grid = Grid::centered([4, 1, 1], DVec3::ONE).unwrap();
         let samples = Samples::F32(vec![0.0, 8.0, 0.0, 0.0]);
         let single = Volume::new(grid, samples, Rescale::IDENTITY, Metadata::default()).unwrap();
         let found = single.at_level(0.5).unwrap();
@@ -411,7 +411,7 @@ mod tests {
 
     #[test]
     fn voxels_that_are_not_finite_have_no_part() {
-        let grid = Grid::centred([4, 1, 1], DVec3::ONE).unwrap();
+        let grid = Grid::centered([4, 1, 1], DVec3::ONE).unwrap();
         let samples = Samples::F32(vec![f32::NAN, 6.0, f32::INFINITY, f32::NAN]);
         let volume = Volume::new(grid, samples, Rescale::IDENTITY, Metadata::default()).unwrap();
         let level = volume.at_level(1.0).unwrap();

@@ -194,7 +194,7 @@ mod tests {
     use glam::DVec3;
 
     fn volume(samples: Samples, rescale: Rescale) -> Volume {
-        let grid = Grid::centred([samples.len(), 1, 1], DVec3::ONE).unwrap();
+        let grid = Grid::centered([samples.len(), 1, 1], DVec3::ONE).unwrap();
         Volume::new(grid, samples, rescale, Metadata::default()).unwrap()
     }
 

@@ -5,7 +5,7 @@ use glam::{DAffine3, DVec3, Vec3};
 use std::borrow::Cow;
 use std::sync::Arc;
 
-/// A surface of triangles in the world of the volumes: RAS, millimetres. Seen from its front, the
+/// A surface of triangles in the world of the volumes: RAS, millimeters. Seen from its front, the
 /// corners of a triangle run counter-clockwise. Immutable once made; clones share its content and its
 /// [`id`](Mesh::id).
 ///

@@ -4,9 +4,9 @@
 //! use strahl_volume::phantom::Phantom;
 //! let shells = Phantom::from_name("shells").unwrap();
 //! let volume = shells.volume([32, 32, 32])?;
-//! let centre = volume.grid().world_from_voxel().transform_point3(glam::DVec3::new(16.0, 16.0, 3.0));
-//! // What is stored is the field at the voxel's centre, to half a step of the stored type.
-//! assert!((volume.value(16, 16, 3) - shells.value(centre)).abs() <= 0.5 / 255.0);
+//! let center = volume.grid().world_from_voxel().transform_point3(glam::DVec3::new(16.0, 16.0, 3.0));
+//! // What is stored is the field at the voxel's center, to half a step of the stored type.
+//! assert!((volume.value(16, 16, 3) - shells.value(center)).abs() <= 0.5 / 255.0);
 //! # Ok::<(), strahl_volume::Error>(())
 //! ```
 //!
@@ -15,7 +15,7 @@
 mod analytic;
 mod anatomy;
 mod blocks;
-mod modelling;
+mod modeling;
 mod number;
 mod random;
 mod solid;
@@ -186,7 +186,7 @@ impl Phantom {
         )
     }
 
-    /// The field at the centres of `dims` voxels that fill [`Phantom::extent_mm`], rounded to the
+    /// The field at the centers of `dims` voxels that fill [`Phantom::extent_mm`], rounded to the
     /// nearest number of the stored type: i16 HU for `anatomy`, f32 for `marschner-lobb` and `ramp`,
     /// u16 with slope 1/65535 for `fog`, u8 with slope 1/255 for the others. The same bytes at any number of
     /// threads.
@@ -250,7 +250,7 @@ impl Phantom {
         Ok(volume)
     }
 
-    /// The object that each voxel centre lies in (u8), with names and colours; none for phantoms without
+    /// The object that each voxel center lies in (u8), with names and colors; none for phantoms without
     /// parts, which are all but `anatomy`.
     ///
     /// # Errors
@@ -404,7 +404,7 @@ mod tests {
     }
 
     #[test]
-    fn a_volume_holds_the_field_at_its_voxel_centres() {
+    fn a_volume_holds_the_field_at_its_voxel_centers() {
         for phantom in Phantom::ALL {
             let volume = phantom.volume([9, 12, 7]).unwrap();
             let (lo, hi) = phantom.extent_mm();

@@ -1,15 +1,15 @@
 //! B-spline coefficients: a cubic B-spline of these numbers goes through the values of the voxels.
 //!
 //! A cubic B-spline of the values themselves smooths: at a voxel it is the mean of the voxel and its
-//! neighbours with the weights 1/6, 4/6, 1/6. The coefficients undo that, by one recursive filter along
+//! neighbors with the weights 1/6, 4/6, 1/6. The coefficients undo that, by one recursive filter along
 //! each axis in either direction: M. Unser, A. Aldroubi, M. Eden, *Fast B-spline transforms for continuous
 //! image representation and interpolation*, 1991, and *B-spline signal processing*, 1993; pole √3 − 2,
 //! gain 6.
 //!
 //! At the border coefficients go on mirrored about the face of the outermost voxel (… b a | a b …).
-//! Inside the hull of the voxel centres a cubic B-spline reaches one coefficient beyond, which then is
+//! Inside the hull of the voxel centers a cubic B-spline reaches one coefficient beyond, which then is
 //! the outermost one: what a sampler that clamps its indices reads. So it is exact at the border too,
-//! with clamped sampling. Mirroring about the centre of the voxel (… c b | a b c …), as in the papers, would
+//! with clamped sampling. Mirroring about the center of the voxel (… c b | a b c …), as in the papers, would
 //! be off by up to a third of the difference there.
 
 use crate::rows::for_each_row;
@@ -260,7 +260,7 @@ mod tests {
                 (state >> 16) as i16
             })
             .collect();
-        let grid = Grid::centred(dims, DVec3::ONE).unwrap();
+        let grid = Grid::centered(dims, DVec3::ONE).unwrap();
         let rescale = Rescale::new(-0.5, 100.0);
         Volume::new(grid, Samples::I16(samples), rescale, Metadata::default()).unwrap()
     }
@@ -298,7 +298,7 @@ mod tests {
 
     #[test]
     fn a_constant_stays() {
-        let grid = Grid::centred([9, 3, 5], DVec3::ONE).unwrap();
+        let grid = Grid::centered([9, 3, 5], DVec3::ONE).unwrap();
         let samples = Samples::U8(vec![200; 135]);
         let volume = Volume::new(grid, samples, Rescale::IDENTITY, Metadata::default()).unwrap();
         let coefficients = volume.b_spline_coefficients().unwrap();
@@ -363,7 +363,7 @@ mod tests {
                 }
             }
         }
-        let grid = Grid::centred([2, 1, 1], DVec3::ONE).unwrap();
+        let grid = Grid::centered([2, 1, 1], DVec3::ONE).unwrap();
         let samples = Samples::F32(vec![f32::NAN; 2]);
         let none = Volume::new(grid, samples, Rescale::IDENTITY, Metadata::default()).unwrap();
         assert_eq!(

@@ -112,7 +112,7 @@ fn of_counts<T: Sample, P: Pod + Into<usize>>(
     control: &Control,
 ) -> Result<Statistics, Cancelled> {
     let numbers = 1usize << (8 * size_of::<P>());
-    // Neighbours are often equal; with a table for each of four in a row, none waits for another.
+    // Neighbors are often equal; with a table for each of four in a row, none waits for another.
     let mut tables = vec![0u64; 4 * numbers];
     let patterns: &[P] = bytemuck::cast_slice(samples);
     let (fours, rest) = patterns.as_chunks::<4>();

@@ -66,7 +66,7 @@ pub struct Metadata {
 ///
 /// ```
 /// use strahl_volume::{Grid, Metadata, Rescale, Samples, Volume};
-/// let grid = Grid::centred([2, 1, 1], glam::DVec3::ONE)?;
+/// let grid = Grid::centered([2, 1, 1], glam::DVec3::ONE)?;
 /// let volume = Volume::new(grid, Samples::I16(vec![-1000, 40]), Rescale::IDENTITY, Metadata::default())?;
 /// assert_eq!(volume.value(1, 0, 0), 40.0);
 /// # Ok::<(), strahl_volume::Error>(())

@@ -2,7 +2,7 @@
 //!
 //! ```
 //! use strahl_volume::{Grid, Metadata, Rescale, Samples, Volume, write};
-//! let grid = Grid::centred([2, 1, 1], glam::DVec3::ONE)?;
+//! let grid = Grid::centered([2, 1, 1], glam::DVec3::ONE)?;
 //! let volume = Volume::new(grid, Samples::U8(vec![1, 2]), Rescale::IDENTITY, Metadata::default())?;
 //! let mut folder = write::NewMemoryFiles::default();
 //! write::write("two.nrrd", &volume, &write::WriteOptions::default(), &mut folder)?;

@@ -344,7 +344,7 @@ impl Peers {
         ]);
         for case in cases {
             for mode in modes {
-                // In colours, an error of a value counts as much as the transfer function is steep there.
+                // In colors, an error of a value counts as much as the transfer function is steep there.
                 let drawn = if *mode == "mip" { "mip-values" } else { mode };
                 let vtk = |step: f64| {
                     let path = self.scratch.join("vtk.raw");

@@ -81,7 +81,7 @@ mod tests {
 
     #[test]
     fn linear_light_becomes_display_values() {
-        // Values of the standard: half grey, the end of its straight part, both ends.
+        // Values of the standard: half gray, the end of its straight part, both ends.
         let pairs = [
             (0.0, 0),
             (0.003_130_8, 10),

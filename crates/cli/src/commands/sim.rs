@@ -1,4 +1,4 @@
-//! `strahl sim`: a picture on the modelled processor, its Spec, its studies.
+//! `strahl sim`: a picture on the modeled processor, its Spec, its studies.
 
 use super::load::load;
 use crate::args;
@@ -343,7 +343,7 @@ fn scene(file: SceneFile, has_spec: bool, spec: &mut Spec, quiet: bool) -> Resul
     Ok(VolumeStore::new(&volume)?)
 }
 
-/// Takes view, step and opacity from a Plan. The rest (colours, lights, framing) the processor has in its own way.
+/// Takes view, step and opacity from a Plan. The rest (colors, lights, framing) the processor has in its own way.
 fn over(spec: &mut Spec, plan: &plan::Plan, quiet: bool) -> Result<()> {
     let voxel_from_world = plan.field().grid.voxel_from_world().matrix3;
     // Directions only: voxels count as cubes.

@@ -298,7 +298,7 @@ fn scenes() {
 }
 
 #[test]
-fn cameras_clips_and_colours() {
+fn cameras_clips_and_colors() {
     flags_fail(&["--elevation", "95"], &["camera.elevation_deg", "95"]);
     flags_fail(&["--zoom", "-2"], &["camera.zoom", "-2"]);
     flags_fail(&["--focus", "1,2"], &["--focus is 1,2", "three numbers"]);

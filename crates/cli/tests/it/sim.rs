@@ -89,7 +89,7 @@ fn a_scene_gives_direction_and_opacity() {
 #[test]
 fn extensions_are_fields() {
     let folder = tempfile::tempdir().unwrap();
-    // One triangle before everything, in millimetres: volumes are centred.
+    // One triangle before everything, in millimeters: volumes are centered.
     let corners = "v -99 -99 -40\nv 99 -99 -40\nv 0 -99 99\nf 1 2 3\n";
     std::fs::write(folder.path().join("front.obj"), corners).unwrap();
     let perspective = "view.projection={\"perspective\":{\"angle_deg\":60}}";

@@ -1,4 +1,4 @@
-//! Slot classify: value → colour and opacity.
+//! Slot classify: value → color and opacity.
 
 mod integrals;
 mod interval_visibility;
@@ -22,7 +22,7 @@ macro_rules! functions {
     ($(; $meaning:literal $variant:ident $name:ident $word:literal { $($field:ident),* })*) => {
         $(mod $name;)*
 
-        /// Colour and opacity of a sample where it is asked for; anything elsewhere.
+        /// Color and opacity of a sample where it is asked for; anything elsewhere.
         #[inline(always)]
         pub fn classify<S: Level>(method: Classify, sample: &Sample<S>) -> Surface<S> {
             match method {

@@ -6,7 +6,7 @@
 mod grey;
 mod rule;
 mod state;
-mod vector_colour;
+mod vector_color;
 pub mod visible_values;
 
 pub use rule::{Crossing, Rule, Sample};

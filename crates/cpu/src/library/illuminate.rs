@@ -1,6 +1,6 @@
 //! Slot illuminate: the light that a surface sends to the eye from one light.
 //!
-//! All vectors have length 1. Diffuse parts are multiplied by the surface colour, highlights are
+//! All vectors have length 1. Diffuse parts are multiplied by the surface color, highlights are
 //! white; there is nothing where the light comes from behind, except for `tone`, whose tones have colors of their own, and
 //! for `blinn_phong_two_sided`.
 
@@ -16,7 +16,7 @@ macro_rules! models {
     ($(; $meaning:literal $variant:ident $name:ident $word:literal { $($field:ident),* })*) => {
         $(mod $name;)*
 
-        /// What is multiplied by the surface colour, and the highlight.
+        /// What is multiplied by the surface color, and the highlight.
         #[inline(always)]
         fn parts<S: Level>(model: Illuminate, surface: &Surface<S>) -> (F32s<S>, F32s<S>) {
             match model {

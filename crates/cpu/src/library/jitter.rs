@@ -12,7 +12,7 @@ use strahl_volume::{Cancelled, Control, Store};
 
 /// The jitter of a Plan, with what it reads.
 pub enum Jitters {
-    Centre,
+    Center,
     Hash(u32),
     SineHash,
     Tile(Arc<NoiseTile>),
@@ -26,14 +26,14 @@ impl Jitters {
             (Some(tile), _) => Jitters::Tile(tile),
             (None, Jitter::Hash(seed)) => Jitters::Hash(seed),
             (None, Jitter::SineHash) => Jitters::SineHash,
-            (None, _) => Jitters::Centre,
+            (None, _) => Jitters::Center,
         })
     }
 
     /// The jitter of the pixel in column `x`, row `y` of a frame, in [0, 1).
     pub fn at(&self, x: u32, y: u32, frame: u32) -> f32 {
         match self {
-            Jitters::Centre => 0.5,
+            Jitters::Center => 0.5,
             Jitters::Hash(seed) => hash::jitter(x, y, seed.wrapping_add(frame)),
             Jitters::SineHash => sine_hash::jitter(x, y, frame),
             Jitters::Tile(tile) => tile::jitter(tile, x, y, frame),

@@ -89,16 +89,16 @@ impl Shading {
                 } else {
                     &mut unkept
                 };
-                let colour = lit::colour(
+                let color = lit::color(
                     &self.lights,
                     illuminate,
                     ambient,
-                    surface.colour,
+                    surface.color,
                     place,
                     shaded,
                     last_normal,
                 );
-                Surface { colour, ..surface }
+                Surface { color, ..surface }
             }
             model => look_otherwise(model, surface, place),
         }

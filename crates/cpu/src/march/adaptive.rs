@@ -45,11 +45,11 @@ impl<S: Level> Packet<'_, S> {
             if sampled.any() {
                 let value = self.value(object, position, sampled);
                 let sampled = sampled & value.is_finite();
-                let Surface { colour, opacity } = object.classify(value, position, sampled);
+                let Surface { color, opacity } = object.classify(value, position, sampled);
                 let visible = sampled & zero.lt(opacity);
                 if visible.any() {
                     let opacity = object.of_steps(opacity, kept);
-                    emission_absorption::add(&mut self.state, visible, colour, opacity);
+                    emission_absorption::add(&mut self.state, visible, color, opacity);
                     self.visible += visible.select(one, zero);
                 }
             }

@@ -123,7 +123,7 @@ impl<'s, S: Level> Packet<'s, S> {
     #[inline(always)]
     fn numbers(&mut self) -> [&mut F32s<S>; NUMBERS] {
         let State {
-            colour: [r, g, b],
+            color: [r, g, b],
             alpha,
             value,
             place,
@@ -142,14 +142,14 @@ impl<'s, S: Level> Packet<'s, S> {
             group,
             all:
                 Sum {
-                    colour: [seen_r, seen_g, seen_b],
+                    color: [seen_r, seen_g, seen_b],
                     alpha: seen_alpha,
                     weight: seen_weight,
                     number: seen_runs,
                 },
             of_group:
                 Sum {
-                    colour: [group_r, group_g, group_b],
+                    color: [group_r, group_g, group_b],
                     alpha: group_alpha,
                     weight: group_weight,
                     number: group_runs,
@@ -354,7 +354,7 @@ impl<'s, S: Level> Packet<'s, S> {
         with_rule!(object.composite, rule => rule.add(&mut self.state, &sample))
     }
 
-    /// Colour, and opacity of one step, of a value of `object`.
+    /// Color, and opacity of one step, of a value of `object`.
     #[inline(always)]
     pub(super) fn classified(
         &mut self,
@@ -407,13 +407,13 @@ impl<'s, S: Level> Packet<'s, S> {
                 }
             })
         };
-        let State { colour, alpha, .. } = self.state;
+        let State { color, alpha, .. } = self.state;
         let behind = F32s::splat(1.0) - alpha;
         let over = inlined(
             #[inline(always)]
             |c: F32s<S>, channel: usize| c + behind * self.rays.behind[channel],
         );
-        let [r, g, b] = each!([0, 1, 2], |c| over(colour[c], c));
+        let [r, g, b] = each!([0, 1, 2], |c| over(color[c], c));
         let a = over(alpha, 3);
         let depth_mm = if self.scenery.plan.with_depth {
             let distance = crossing.distance_mm(self.state.place);

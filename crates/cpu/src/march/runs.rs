@@ -35,7 +35,7 @@ pub struct Runs<S: Level> {
 #[derive(Clone, Copy)]
 pub struct Sum<S: Level> {
     /// Premultiplied.
-    pub colour: Vec3s<S>,
+    pub color: Vec3s<S>,
     /// Opacity.
     pub alpha: F32s<S>,
     /// What the rule remembers of them: the largest luminance, or the importance so far …
@@ -47,7 +47,7 @@ pub struct Sum<S: Level> {
 /// A run of each ray that has ended.
 pub struct Run<S: Level> {
     /// Premultiplied, with the tint of its segment.
-    pub colour: Vec3s<S>,
+    pub color: Vec3s<S>,
     pub alpha: F32s<S>,
     /// Of its segment.
     pub importance: F32s<S>,
@@ -116,10 +116,10 @@ impl<S: Level> Runs<S> {
                     if !own.any() {
                         continue;
                     }
-                    let (colour, alpha) = self.of_group.pixel(group.rule);
+                    let (color, alpha) = self.of_group.pixel(group.rule);
                     let opacity = F32s::splat(group.opacity);
                     let sample = Run {
-                        colour: each!(colour, |c| c * opacity),
+                        color: each!(color, |c| c * opacity),
                         alpha: alpha * opacity,
                         importance: F32s::splat(group.importance) + self.group_by_place,
                     };
@@ -156,7 +156,7 @@ impl<S: Level> Sum<S> {
     #[inline(always)]
     pub fn none() -> Sum<S> {
         Sum {
-            colour: [F32s::zero(); 3],
+            color: [F32s::zero(); 3],
             alpha: F32s::zero(),
             weight: F32s::zero(),
             number: F32s::zero(),
@@ -166,7 +166,7 @@ impl<S: Level> Sum<S> {
     #[inline(always)]
     fn select(mask: Mask<S>, yes: &Sum<S>, no: &Sum<S>) -> Sum<S> {
         Sum {
-            colour: mask.select3(yes.colour, no.colour),
+            color: mask.select3(yes.color, no.color),
             alpha: mask.select(yes.alpha, no.alpha),
             weight: mask.select(yes.weight, no.weight),
             number: mask.select(yes.number, no.number),
@@ -177,7 +177,7 @@ impl<S: Level> Sum<S> {
     #[inline(always)]
     pub fn add(&mut self, rule: GlobalRule, of: Mask<S>, run: &Run<S>) {
         let Run {
-            colour,
+            color,
             alpha,
             importance,
         } = *run;
@@ -186,54 +186,52 @@ impl<S: Level> Sum<S> {
         match rule {
             GlobalRule::EmissionAbsorption { .. } => {
                 let passing = one - self.alpha;
-                for (sum, colour) in self.colour.iter_mut().zip(colour) {
-                    *sum += of.select(passing * colour, zero);
+                for (sum, color) in self.color.iter_mut().zip(color) {
+                    *sum += of.select(passing * color, zero);
                 }
                 self.alpha += of.select(passing * alpha, zero);
             }
             GlobalRule::Mip => {
-                let [r, g, b] = each!([0, 1, 2], |c| colour[c] * F32s::splat(LUMINANCE[c]));
+                let [r, g, b] = each!([0, 1, 2], |c| color[c] * F32s::splat(LUMINANCE[c]));
                 let luminance = r + g + b;
                 let better = of & self.weight.lt(luminance);
-                self.colour = better.select3(colour, self.colour);
+                self.color = better.select3(color, self.color);
                 self.alpha = better.select(alpha, self.alpha);
                 self.weight = better.select(luminance, self.weight);
             }
             GlobalRule::Average => {
-                self.colour = each!([0, 1, 2], |c| {
-                    self.colour[c] + of.select(colour[c], zero)
-                });
+                self.color = each!([0, 1, 2], |c| self.color[c] + of.select(color[c], zero));
                 self.alpha += of.select(alpha, zero);
                 self.number += of.select(one, zero);
             }
             GlobalRule::First => {
                 let first = of & self.number.le(zero);
-                self.colour = first.select3(colour, self.colour);
+                self.color = first.select3(color, self.color);
                 self.alpha = first.select(alpha, self.alpha);
                 self.number = first.select(one, self.number);
             }
             GlobalRule::ImportanceAware => {
                 let mut seen = Accumulated {
-                    colour: self.colour,
+                    color: self.color,
                     alpha: self.alpha,
                     importance: self.weight,
                 };
-                seen.add(of, colour, alpha, importance);
-                (self.colour, self.alpha, self.weight) = (seen.colour, seen.alpha, seen.importance);
+                seen.add(of, color, alpha, importance);
+                (self.color, self.alpha, self.weight) = (seen.color, seen.alpha, seen.importance);
             }
         }
     }
 
-    /// The colour, premultiplied, and the opacity that they come to.
+    /// The color, premultiplied, and the opacity that they come to.
     #[inline(always)]
     pub fn pixel(&self, rule: GlobalRule) -> (Vec3s<S>, F32s<S>) {
         match rule {
             GlobalRule::Average => {
                 let number = self.number.max(F32s::splat(1.0));
-                let colour = each!(self.colour, |c| c.over(number));
-                (colour, self.alpha.over(number))
+                let color = each!(self.color, |c| c.over(number));
+                (color, self.alpha.over(number))
             }
-            _ => (self.colour, self.alpha),
+            _ => (self.color, self.alpha),
         }
     }
 }
@@ -246,13 +244,13 @@ mod tests {
     /// The pixel of a red run that hides 0.4, a transparent one, and a brighter green one that hides 0.5.
     fn pixel(rule: GlobalRule, importances: [f32; 2]) -> [f32; 3] {
         let mut runs = Sum::<Portable>::none();
-        for (colour, alpha, importance) in [
+        for (color, alpha, importance) in [
             ([0.4, 0.0, 0.0], 0.4, importances[0]),
             ([0.0; 3], 0.0, 9.0),
             ([0.0, 0.5, 0.0], 0.5, importances[1]),
         ] {
             let run = Run {
-                colour: colour.map(F32s::splat),
+                color: color.map(F32s::splat),
                 alpha: F32s::splat(alpha),
                 importance: F32s::splat(importance),
             };

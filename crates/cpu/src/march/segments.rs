@@ -141,7 +141,7 @@ impl<S: Level> Packet<'_, S> {
             },
         );
         let last = zero.lt(rays.tail).select(rays.count, rays.count - one);
-        let neighbours = ends_in_neighbours(line);
+        let neighbors = ends_in_neighbors(line);
         let (mut k, stop) = (self.k, self.end);
         let mut window = Window::new(self.look_back, k);
         let has_segments = match shown {
@@ -156,7 +156,7 @@ impl<S: Level> Packet<'_, S> {
         while live.any() {
             let jump = jump_at(k);
             let nothing_here = zero.lt(jump);
-            let empty = live & nothing_before & nothing_here & neighbours;
+            let empty = live & nothing_before & nothing_here & neighbors;
             if empty.any() {
                 // The others wait, so that segments are looked at for as many rays as possible.
                 let next = empty.select(k + jump, k);
@@ -268,8 +268,8 @@ impl<S: Level> Packet<'_, S> {
                 }
                 _ => self.classified(object, value, position, sampled),
             };
-            let Surface { colour, opacity } = look.surface;
-            emission_absorption::add(&mut self.state, look.visible, colour, opacity);
+            let Surface { color, opacity } = look.surface;
+            emission_absorption::add(&mut self.state, look.visible, color, opacity);
             self.visible += look.visible.select(one, zero);
         }
     }
@@ -316,8 +316,8 @@ impl<S: Level> Packet<'_, S> {
             sampled,
             &mut self.state.last_normal,
         );
-        let Surface { colour, opacity } = look.surface;
-        emission_absorption::add(&mut self.state, look.visible, colour, opacity);
+        let Surface { color, opacity } = look.surface;
+        emission_absorption::add(&mut self.state, look.visible, color, opacity);
         self.visible += look.visible.select(one, zero);
     }
 
@@ -371,10 +371,10 @@ impl<S: Level> Packet<'_, S> {
     }
 }
 
-/// Where steps are so short that lattice points in a row lie in the same brick or in neighbours, which have a voxel
+/// Where steps are so short that lattice points in a row lie in the same brick or in neighbors, which have a voxel
 /// in common.
 #[inline(always)]
-fn ends_in_neighbours<S: Level>(line: &Line<S>) -> Mask<S> {
+fn ends_in_neighbors<S: Level>(line: &Line<S>) -> Mask<S> {
     // A little less than the edge: positions are rounded.
     let most = F32s::splat(0.99 * EDGE as f32);
     let [x, y, z] = each!(line.step_in_voxel, |step| step.abs().le(most));

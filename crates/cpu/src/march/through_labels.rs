@@ -199,7 +199,7 @@ impl<S: Level> Packet<'_, S> {
             if !segments.groups.is_empty() {
                 self.runs.end_groups(segments, !Mask::none());
             }
-            (self.state.colour, self.state.alpha) = self.runs.all.pixel(segments.rule);
+            (self.state.color, self.state.alpha) = self.runs.all.pixel(segments.rule);
         }
         self.state.place = self.runs.place;
         F32s::zero().lt(self.runs.has_place)
@@ -246,7 +246,7 @@ impl<S: Level> Packet<'_, S> {
         let of_runs = self.runs.segment.to_array();
         let factors = lanes(|i| segments.factors(of_runs[i]));
         let factor = |channel: usize| F32s::from_array(lanes(|i| factors[i][channel]));
-        let colour = each!([0, 1, 2], |channel| run.colour[channel] * factor(channel));
+        let color = each!([0, 1, 2], |channel| run.color[channel] * factor(channel));
         let alpha = run.alpha * factor(3);
         let importance = F32s::from_array(lanes(|i| segments.importance(of_runs[i])));
         let importance = importance + self.runs.by_place;
@@ -257,7 +257,7 @@ impl<S: Level> Packet<'_, S> {
             runs.has_place = first.select(one, runs.has_place);
         }
         let ended = Run {
-            colour,
+            color,
             alpha,
             importance,
         };

@@ -100,7 +100,7 @@ impl<S: Level> Packet<'_, S> {
         vectorized::<S, _>(
             #[inline(always)]
             || {
-                let mut waiting = UnlitSamples::new(self.to_eye, self.state.colour);
+                let mut waiting = UnlitSamples::new(self.to_eye, self.state.color);
                 self.through_one_here(
                     object,
                     rule,
@@ -204,8 +204,8 @@ impl<S: Level> Packet<'_, S> {
         while live.any() {
             let at = rays.count - one - k;
             let look = self.look(object, line.position(at + rays.jitter), live);
-            let Surface { colour, opacity } = look.surface;
-            back_to_front::add(&mut self.state, look.visible, colour, opacity);
+            let Surface { color, opacity } = look.surface;
+            back_to_front::add(&mut self.state, look.visible, color, opacity);
             self.visible += look.visible.select(one, F32s::zero());
             k = live.select(k + one, k);
             live = live & k.lt(end);

@@ -117,7 +117,7 @@ impl<S: Level> Packet<'_, S> {
             #[inline(always)]
             || {
                 let mut waiting = UnlitSegments {
-                    samples: UnlitSamples::new(self.to_eye, self.runs.all.colour),
+                    samples: UnlitSamples::new(self.to_eye, self.runs.all.color),
                     segments: [0.0; UnlitSamples::MOST],
                 };
                 let progress = Progress {
@@ -138,7 +138,7 @@ impl<S: Level> Packet<'_, S> {
                     #[inline(always)]
                     |c: usize| F32s::from_array(lanes(|lane| sums[lane][c])),
                 );
-                self.runs.all.colour = each!([0, 1, 2], |c| channel(c));
+                self.runs.all.color = each!([0, 1, 2], |c| channel(c));
                 self.runs.all.alpha = progress.all;
                 self.state.alpha = progress.run;
                 self.runs.segment = progress.segment;
@@ -385,12 +385,12 @@ impl<S: Level> Packet<'_, S> {
                     None => looks.techniques(segment),
                 };
                 let surface = looks.tables.at(value, technique);
-                let colour = self.lit_colour(looks, surface, technique, position, to_eye, asked);
+                let color = self.lit_color(looks, surface, technique, position, to_eye, asked);
                 let tints = match looks.are_untinted {
                     true => [F32s::splat(1.0); 3],
                     false => looks.tints(segment),
                 };
-                let [r, g, b] = each!([0, 1, 2], |c| share * (tints[c] * colour[c]));
+                let [r, g, b] = each!([0, 1, 2], |c| share * (tints[c] * color[c]));
                 let seen = to_rows([r, g, b, F32s::zero()]);
                 let rays = ray.to_array();
                 for (seen, ray) in seen.iter().zip(rays).take(number) {
@@ -407,9 +407,9 @@ impl<S: Level> Packet<'_, S> {
         );
     }
 
-    /// The colours of samples under the lights, by the shading of their techniques.
+    /// The colors of samples under the lights, by the shading of their techniques.
     #[inline(always)]
-    fn lit_colour(
+    fn lit_color(
         &self,
         looks: &SegmentLooks,
         surface: Surface<S>,
@@ -422,16 +422,16 @@ impl<S: Level> Packet<'_, S> {
         let objects = &self.scenery.objects;
         if looks.are_lit_alike {
             let lit = objects[0].shade(surface, position, to_eye, asked, &mut unkept);
-            return lit.colour;
+            return lit.color;
         }
-        let mut colour = surface.colour;
+        let mut color = surface.color;
         for (i, object) in objects.iter().enumerate() {
             let own = asked & technique.eq(F32s::splat(1.0 + i as f32));
             if own.any() && !object.shading.is_unlit() {
                 let lit = object.shade(surface, position, to_eye, own, &mut unkept);
-                colour = own.select3(lit.colour, colour);
+                color = own.select3(lit.color, color);
             }
         }
-        colour
+        color
     }
 }

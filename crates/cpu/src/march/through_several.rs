@@ -38,11 +38,11 @@ impl<S: Level> Packet<'_, S> {
                 continue;
             }
             let look = self.mixed(at, live);
-            let Surface { colour, opacity } = look.surface;
+            let Surface { color, opacity } = look.surface;
             if is_back_to_front {
-                back_to_front::add(&mut self.state, look.visible, colour, opacity);
+                back_to_front::add(&mut self.state, look.visible, color, opacity);
             } else {
-                emission_absorption::add(&mut self.state, look.visible, colour, opacity);
+                emission_absorption::add(&mut self.state, look.visible, color, opacity);
             }
             self.visible += look.visible.select(one, zero);
             k = live.select(k + one, k);
@@ -79,7 +79,7 @@ impl<S: Level> Packet<'_, S> {
     #[inline(always)]
     pub(super) fn mixed(&mut self, k: F32s<S>, live: Mask<S>) -> Look<S> {
         let one = F32s::splat(1.0);
-        let (mut colour, mut opacities, mut passes) = ([F32s::zero(); 3], F32s::zero(), one);
+        let (mut color, mut opacities, mut passes) = ([F32s::zero(); 3], F32s::zero(), one);
         let mut visible = Mask::none();
         for (object, line) in self.scenery.objects.iter().zip(&self.rays.lines) {
             let inside = live & line.first.le(k) & k.lt(line.end);
@@ -88,7 +88,7 @@ impl<S: Level> Packet<'_, S> {
             }
             let look = self.look(object, line.position(k + self.rays.jitter), inside);
             let opacity = look.visible.select(look.surface.opacity, F32s::zero());
-            for (sum, c) in colour.iter_mut().zip(look.surface.colour) {
+            for (sum, c) in color.iter_mut().zip(look.surface.color) {
                 *sum += look.visible.select(c * opacity, F32s::zero());
             }
             opacities += opacity;
@@ -98,7 +98,7 @@ impl<S: Level> Packet<'_, S> {
         let divisor = F32s::zero().lt(opacities).select(opacities, one);
         Look {
             surface: Surface {
-                colour: each!(colour, |c| c.over(divisor)),
+                color: each!(color, |c| c.over(divisor)),
                 opacity: one - passes,
             },
             visible,

@@ -117,10 +117,10 @@ impl<S: Level> Packet<'_, S> {
                     voxels,
                     #[inline(always)]
                     |packet, _, _, value, sampled, stride| {
-                        let Surface { colour, opacity } = object.table.at(value);
+                        let Surface { color, opacity } = object.table.at(value);
                         let visible = sampled & F32s::zero().lt(opacity);
                         let opacity = object.of_stride(object.of_step(opacity), stride);
-                        emission_absorption::add(&mut packet.state, visible, colour, opacity);
+                        emission_absorption::add(&mut packet.state, visible, color, opacity);
                         visible
                     },
                 )
@@ -140,7 +140,7 @@ impl<S: Level> Packet<'_, S> {
                     packet: self.rays,
                     to_eye: &to_eye,
                 };
-                let mut waiting = UnlitSamples::new(self.to_eye, self.state.colour);
+                let mut waiting = UnlitSamples::new(self.to_eye, self.state.color);
                 self.walk(
                     object,
                     voxels,
@@ -260,7 +260,7 @@ impl<S: Level> Packet<'_, S> {
         visible
     }
 
-    /// Lights all samples that wait; the rays have the colours that they add up to.
+    /// Lights all samples that wait; the rays have the colors that they add up to.
     #[inline(always)]
     pub(super) fn light_all(&mut self, object: &Object<S>, waiting: &mut UnlitSamples) {
         if waiting.number > 0 {
@@ -271,7 +271,7 @@ impl<S: Level> Packet<'_, S> {
             #[inline(always)]
             |c: usize| F32s::from_array(lanes(|lane| sums[lane][c])),
         );
-        self.state.colour = each!([0, 1, 2], |c| channel(c));
+        self.state.color = each!([0, 1, 2], |c| channel(c));
     }
 
     /// Lights as many samples as there are lanes, or all that wait, and adds them to their rays.
@@ -291,7 +291,7 @@ impl<S: Level> Packet<'_, S> {
                 let surface = object.table.at(value);
                 let mut unkept = [F32s::zero(); 3];
                 let surface = object.shade(surface, position, to_eye, asked, &mut unkept);
-                let [r, g, b] = each!(surface.colour, |c| share * c);
+                let [r, g, b] = each!(surface.color, |c| share * c);
                 let seen = to_rows([r, g, b, F32s::zero()]);
                 let rays = ray.to_array();
                 for (seen, ray) in seen.iter().zip(rays).take(number) {

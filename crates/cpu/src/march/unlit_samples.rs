@@ -9,7 +9,7 @@ pub(super) struct UnlitSamples {
     /// Position (voxel space), value, share of the pixel, ray.
     samples: [[f32; UnlitSamples::MOST]; 6],
     pub(super) to_eye: [[f32; LANES]; 3],
-    /// The colour of each ray so far.
+    /// The color of each ray so far.
     pub(super) sums: [[f32; 4]; LANES],
 }
 

@@ -23,7 +23,7 @@ fn cubic(parts: u32) -> Sampling {
 }
 
 fn of(dims: [usize; 3], samples: Samples) -> Volume {
-    let grid = Grid::centred(dims, glam::DVec3::ONE).unwrap();
+    let grid = Grid::centered(dims, glam::DVec3::ONE).unwrap();
     Volume::new(grid, samples, Rescale::IDENTITY, Metadata::default()).unwrap()
 }
 
@@ -357,7 +357,7 @@ impl Random {
         let number = self.pick(&[2, 5, 64, 256, 1024]);
         let kind = self.below(3);
         let steps = 1 + self.below(6);
-        let colours: Vec<[f32; 3]> = (0..=steps)
+        let colors: Vec<[f32; 3]> = (0..=steps)
             .map(|_| std::array::from_fn(|_| self.unit()))
             .collect();
         let strength = self.pick(&[0.02, 0.3, 1.0]);
@@ -365,7 +365,7 @@ impl Random {
         let entries = (0..number).map(|i| {
             let x = i as f32 / (number - 1) as f32;
             let part = ((x * steps as f32) as usize).min(steps);
-            let [r, g, b] = colours[part];
+            let [r, g, b] = colors[part];
             let opacity = match kind {
                 // Peaks one entry wide.
                 0 => f32::from(u8::from(self.below(12) == 0)),
@@ -396,7 +396,7 @@ impl Random {
         of(dims, Samples::F32(samples))
     }
 
-    /// Colours and opacities that change slowly.
+    /// Colors and opacities that change slowly.
     fn gentle_table(&mut self, reference_mm: f64) -> TransferTable {
         let from: [f32; 4] = std::array::from_fn(|_| 0.05 + 0.6 * self.unit());
         let by: [f32; 4] = std::array::from_fn(|_| 0.3 * self.unit());
@@ -730,7 +730,7 @@ fn refined_projections_are_nearer_to_the_truth() {
         let scene = Scene::parse("scene", &scene).unwrap();
         let mut plan = resolve(&scene, &volume.header(), None).unwrap();
         let [lo, hi] = volume.statistics().range;
-        // The value itself, as opaque grey.
+        // The value itself, as opaque gray.
         let table = TransferTable::new(
             [lo as f32, hi as f32],
             1.0,

@@ -1,4 +1,4 @@
-// Colour and opacity of each step from a pre-integrated table over the values at its front and back.
+// Color and opacity of each step from a pre-integrated table over the values at its front and back.
 
 @group(0) @binding(32) var integrals: texture_2d<f32>;
 

@@ -1,4 +1,4 @@
-// Emission and absorption over a table of colours, unlit, with early termination and empty bricks left out.
+// Emission and absorption over a table of colors, unlit, with early termination and empty bricks left out.
 
 const STOP_AT_TRANSMITTANCE: f32 = 0.00390625;
 

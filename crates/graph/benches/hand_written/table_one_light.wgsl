@@ -1,4 +1,4 @@
-// Emission and absorption over a table of colours, lit by the lights of the scene with the gradient as normal.
+// Emission and absorption over a table of colors, lit by the lights of the scene with the gradient as normal.
 
 const AMBIENT: f32 = 0.25;
 const STOP_AT_TRANSMITTANCE: f32 = 0.00390625;

@@ -1,4 +1,4 @@
-// A table of colours for each tag of a second volume, three lights one on top of the other, tone shading,
+// A table of colors for each tag of a second volume, three lights one on top of the other, tone shading,
 // boundaries and silhouettes.
 
 @group(0) @binding(32) var luts: texture_2d<f32>;

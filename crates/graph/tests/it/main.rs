@@ -23,13 +23,13 @@ use strahl_scene::{Scene, resolve};
 use strahl_shader::Texels;
 use strahl_volume::{Control, Phantom, Volume};
 
-/// A node that shows up to three numbers as a colour.
+/// A node that shows up to three numbers as a color.
 pub const OUT: &str = r#""out": { "wgsl": [
     "/// x: default 0", "/// y: default 0", "/// z: default 0",
     "fn out(x: f32, y: f32, z: f32) -> vec4f { return vec4f(x, y, z, 1.0); }"
 ], "inputs": "#;
 
-/// A graph whose first colour component is `from`.
+/// A graph whose first color component is `from`.
 pub fn showing(nodes: &str, from: &str) -> String {
     shown(nodes, &format!(r#"{{ "x": "{from}" }}"#))
 }

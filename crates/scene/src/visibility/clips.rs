@@ -331,7 +331,7 @@ mod tests {
         let [nx, ny, nz] = DIMS;
         let voxel = |i: usize| of_voxel([i % nx, i / nx % ny, i / (nx * ny)]);
         let samples = Samples::U8((0..nx * ny * nz).map(voxel).collect());
-        let grid = Grid::centred(DIMS, DVec3::splat(2.0)).unwrap();
+        let grid = Grid::centered(DIMS, DVec3::splat(2.0)).unwrap();
         Volume::new(grid, samples, Rescale::IDENTITY, Metadata::default()).unwrap()
     }
 

@@ -11,12 +11,12 @@ use strahl_volume::{Cancelled, Control};
 /// that it lies in, and no larger one, is even: inside it one sample can stand for any other. `None` if nothing is
 /// known of the values, or `plan` wants every lattice point.
 ///
-/// Let a be the opacities of a step and c the colours that the table gives to the values of the cube. It is even if
+/// Let a be the opacities of a step and c the colors that the table gives to the values of the cube. It is even if
 /// (max a − min a)/min a plus the largest max c − min c of the three channels is at most `error`, or if all a are 0.
 /// Then a sample with opacity a₁ in place of one with opacity a, seen through a transmittance T, changes the pixel by
 /// T·(|a₁ − a|·|c − C| + a₁·|c₁ − c|) ≤ T·a₁·error per channel, C being what lies behind; and the sum of all T·a₁ of
 /// a ray is its opacity, at most 1. So no channel of a pixel changes by more than `error` (beside what rounding does,
-/// and rays that end early: they may leave out another remainder). Colours and background are at most 1 for that.
+/// and rays that end early: they may leave out another remainder). Colors and background are at most 1 for that.
 ///
 /// Voxels without a value are not in the ranges of bricks: a volume with any has no even cubes.
 ///
@@ -131,11 +131,11 @@ impl Evenness {
 
 fn is_even(spread: &[Spread; 4], error: f64) -> bool {
     let [r, g, b, a] = spread.each_ref().map(Spread::ends);
-    let colour = [r, g, b]
+    let color = [r, g, b]
         .map(|(lo, hi)| hi - lo)
         .into_iter()
         .fold(0.0, f64::max);
-    a.1 <= 0.0 || (a.1 - a.0) + colour * a.0 <= error * a.0
+    a.1 <= 0.0 || (a.1 - a.0) + color * a.0 <= error * a.0
 }
 
 /// The smallest and the largest of the last numbers of a sequence.
@@ -213,13 +213,13 @@ mod tests {
                 (channel.clone().fold(f64::MAX, f64::min), channel.fold(f64::MIN, f64::max))
             };
             let (a_min, a_max) = ends(3);
-            let colour = (0..3).map(|c| ends(c).1 - ends(c).0).fold(0.0, f64::max);
-            let changes = if a_max > 0.0 { (a_max - a_min) / a_min + colour } else { 0.0 };
+            let color = (0..3).map(|c| ends(c).1 - ends(c).0).fold(0.0, f64::max);
+            let changes = if a_max > 0.0 { (a_max - a_min) / a_min + color } else { 0.0 };
             if even.holds(lo, values[50]) {
                 prop_assert!(changes <= error + 1e-5, "{changes}");
             }
             // Wherever the whole table is even, every interval of it is.
-            let (all_a, all_c) = (ends(3), colour);
+            let (all_a, all_c) = (ends(3), color);
             if all_a.0 == all_a.1 && all_c == 0.0 && table.entries().iter().all(|e| *e == table.entries()[0]) {
                 prop_assert!(even.holds(lo, values[50]));
             }

@@ -1,6 +1,6 @@
 //! How opaque a volume is, place by place: what longer steps where it is not rest on.
 
-use super::{joined_with_neighbours, of_reached, rescale_of, values};
+use super::{joined_with_neighbors, of_reached, rescale_of, values};
 use crate::plan::{Classify, Composite, Fetch, Plan, Sampling};
 use crate::transfer::{Places, TransferTable};
 use std::ops::Range;
@@ -38,7 +38,7 @@ pub fn most_opacity(
     };
     let of_bricks = of_reached(bricks, field.reconstruct, of_brick, control)?;
     let join = |most: &mut u8, other: &u8| *most = (*most).max(*other);
-    let mut around = joined_with_neighbours(bricks.dims(), of_bricks.clone(), join, control)?;
+    let mut around = joined_with_neighbors(bricks.dims(), of_bricks.clone(), join, control)?;
     for (around, own) in around.iter_mut().zip(of_bricks) {
         if own == 0 {
             *around = 0;

@@ -35,9 +35,9 @@ fn close(a: DVec3, b: [f64; 3], tolerance: f64) {
 
 #[test]
 fn orbit_is_vtks() {
-    // By hand for the engine: bounds of the voxel centres 255×255×127, so the sphere's radius is
+    // By hand for the engine: bounds of the voxel centers 255×255×127, so the sphere's radius is
     // √(255² + 255² + 127²)/2 = 191.1668 and the distance 191.1668 / sin 15° = 738.6118. From the
-    // centre (0.5, 0.5, −0.5) along (cos 20° sin 30°, sin 20°, cos 20° cos 30°).
+    // center (0.5, 0.5, −0.5) along (cos 20° sin 30°, sin 20°, cos 20° cos 30°).
     let camera = Camera {
         view: Some(View::Top),
         elevation_deg: Some(20.0),
@@ -58,7 +58,7 @@ fn orbit_is_vtks() {
         -0.5 + distance * elevation.cos() * azimuth.cos(),
     ];
     close(plan.camera.eye_mm, eye, 1e-9);
-    // VTK 9.7.2, asked for the same volume at the origin (centre 127.5, 127.5, 63.5), says:
+    // VTK 9.7.2, asked for the same volume at the origin (center 127.5, 127.5, 63.5), says:
     let vtk = DVec3::new(474.53404936687457, 380.12012849282047, 664.580605459793);
     let moved = vtk - DVec3::new(127.0, 127.0, 64.0);
     close(plan.camera.eye_mm, moved.to_array(), 1e-9);
@@ -84,8 +84,8 @@ fn azimuths_add_up() {
         plan(camera, [64, 64], &engine()).camera.eye_mm
     };
     close(at(0.0), at(360.0).to_array(), 1e-9);
-    let centre = engine().grid.centre_mm();
-    let turned = glam::DQuat::from_rotation_z(40f64.to_radians()) * (at(10.0) - centre) + centre;
+    let center = engine().grid.center_mm();
+    let turned = glam::DQuat::from_rotation_z(40f64.to_radians()) * (at(10.0) - center) + center;
     close(at(50.0), turned.to_array(), 1e-9);
 }
 
@@ -93,19 +93,19 @@ fn azimuths_add_up() {
 fn patient_left_is_on_the_right_from_the_front() {
     let header = ct_head();
     let plan = plan(Camera::default(), [300, 200], &header);
-    let centre = header.grid.centre_mm();
-    let at = |offset: DVec3| seen_at(&plan.camera, centre + offset, 1.5);
+    let center = header.grid.center_mm();
+    let at = |offset: DVec3| seen_at(&plan.camera, center + offset, 1.5);
     // RAS: the patient's left is −x, the head +z, the face +y.
     assert!(at(DVec3::new(-50.0, 0.0, 0.0))[0] > 0.6);
     assert!(at(DVec3::new(50.0, 0.0, 0.0))[0] < 0.4);
     assert!(at(DVec3::new(0.0, 0.0, 50.0))[1] < 0.4);
-    assert!(plan.camera.eye_mm.y > centre.y + 100.0);
+    assert!(plan.camera.eye_mm.y > center.y + 100.0);
 }
 
 #[test]
 fn views_are_seen_from_their_side() {
     let header = ct_head();
-    let centre = header.grid.centre_mm();
+    let center = header.grid.center_mm();
     // Side of the eye, direction of the picture's right edge, of its top.
     for (view, eye, right, up) in [
         (View::Front, DVec3::Y, -DVec3::X, DVec3::Z),
@@ -120,7 +120,7 @@ fn views_are_seen_from_their_side() {
             ..Camera::default()
         };
         let camera = plan(camera, [64, 64], &header).camera;
-        close((camera.eye_mm - centre).normalize(), eye.to_array(), 1e-9);
+        close((camera.eye_mm - center).normalize(), eye.to_array(), 1e-9);
         close(camera.right, right.to_array(), 1e-9);
         close(camera.up, up.to_array(), 1e-9);
         assert_eq!(view.name().parse(), Ok(view));
@@ -198,7 +198,7 @@ fn a_tall_picture_still_holds_the_sphere() {
     };
     let distance = |size| {
         let plan = plan(camera, size, &engine());
-        plan.camera.eye_mm.distance(engine().grid.centre_mm())
+        plan.camera.eye_mm.distance(engine().grid.center_mm())
     };
     let radius = 0.5 * f64::sqrt(146_179.0);
     // vtkRenderer::ResetCamera: half the horizontal angle is atan(tan 15° · aspect).

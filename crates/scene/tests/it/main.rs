@@ -77,7 +77,7 @@ fn ct_head() -> VolumeHeader {
 
 /// The header of a small volume of `samples`.
 fn header_of(samples: strahl_volume::Samples, rescale: Rescale) -> VolumeHeader {
-    let grid = Grid::centred([samples.len(), 1, 1], DVec3::ONE).unwrap();
+    let grid = Grid::centered([samples.len(), 1, 1], DVec3::ONE).unwrap();
     Volume::new(grid, samples, rescale, Metadata::default())
         .unwrap()
         .header()

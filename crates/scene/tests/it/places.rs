@@ -212,7 +212,7 @@ fn a_frame_that_is_not_there_is_named() {
     }
 }
 
-/// The range of greys fits what is drawn.
+/// The range of grays fits what is drawn.
 #[test]
 fn grey_ranges_fit_what_is_shown() {
     let headers = Headers::from(engine());

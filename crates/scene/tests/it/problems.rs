@@ -140,7 +140,7 @@ fn labels_that_lie_elsewhere_are_refused() {
 #[test]
 fn labels_that_a_mask_does_not_have() {
     let ids = Samples::U8([0, 1, 2, 3, 4, 9, 9, 200].to_vec());
-    let grid = Grid::centred([2, 2, 2], DVec3::ONE).unwrap();
+    let grid = Grid::centered([2, 2, 2], DVec3::ONE).unwrap();
     let volume = Volume::new(grid, ids, Rescale::IDENTITY, Metadata::default()).unwrap();
     let named = vec![Label::new(3, "liver"), Label::new(77, "spleen")];
     let labels = LabelVolume::from_volume(volume, named).unwrap();

@@ -291,8 +291,8 @@ fn clips_keep_what_they_say() {
         r#"{ "clips": [{ "plane": { "normal": [0, 3, 0] } }] }"#,
         &header,
     );
-    assert!(kept(&half, grid.centre_mm() + DVec3::Y));
-    assert!(!kept(&half, grid.centre_mm() - DVec3::Y));
+    assert!(kept(&half, grid.center_mm() + DVec3::Y));
+    assert!(!kept(&half, grid.center_mm() - DVec3::Y));
     let at = plan(
         r#"{ "clips": [{ "plane": { "normal": [0, 0, 2], "distance_mm": -700 } }] }"#,
         &header,

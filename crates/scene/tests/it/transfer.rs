@@ -31,7 +31,7 @@ fn bytes() -> VolumeHeader {
 }
 
 #[test]
-fn stored_values_get_the_exact_colour_and_opacity() {
+fn stored_values_get_the_exact_color_and_opacity() {
     let table = table(
         points(&[
             (80.0, 0.0, [0.0, 0.0, 0.0]),
@@ -228,7 +228,7 @@ fn points_can_count_in_the_window() {
 }
 
 #[test]
-fn colour_and_opacity_may_have_points_of_their_own() {
+fn color_and_opacity_may_have_points_of_their_own() {
     let point = |value, opacity, color| TransferPoint {
         value,
         opacity,

@@ -1,4 +1,4 @@
-//! The value itself, as grey and as opacity.
+//! The value itself, as gray and as opacity.
 struct Params {
     /// The value that is black and transparent.
     /// default 0

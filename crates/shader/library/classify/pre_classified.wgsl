@@ -1,4 +1,4 @@
-//! The eight voxels around are classified, and the premultiplied colours interpolated: what programs did
+//! The eight voxels around are classified, and the premultiplied colors interpolated: what programs did
 //! that classify first, for comparison.
 fn classify(value: f32, position: vec3f) -> Surface {
     let clamped = clamp(position, vec3f(0.0), vec3f(dims() - 1));

@@ -1,4 +1,4 @@
-//! Grey above a threshold, nothing below. Unlike a first hit, the ray goes on.
+//! Gray above a threshold, nothing below. Unlike a first hit, the ray goes on.
 struct Params {
     /// Values up to this are transparent.
     /// default 0

@@ -1,4 +1,4 @@
-//! A debug view: how far from the eye the first sample that is not transparent lies, as grey.
+//! A debug view: how far from the eye the first sample that is not transparent lies, as gray.
 struct Params {
     /// The distance that is black.
     /// default 0, unit mm

@@ -1,4 +1,4 @@
-//! A debug view: the position of the last sample in the volume, 0 to 1 along each axis, as colour.
+//! A debug view: the position of the last sample in the volume, 0 to 1 along each axis, as color.
 struct State {
     color: vec3f,
     found: bool,

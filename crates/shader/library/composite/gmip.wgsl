@@ -1,4 +1,4 @@
-//! The steepest place of the ray, as grey.
+//! The steepest place of the ray, as gray.
 struct Params {
     /// The gradient magnitude that is white.
     /// default 100, range 1e-30 to 1e30

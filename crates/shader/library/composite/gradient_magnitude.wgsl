@@ -1,4 +1,4 @@
-//! A debug view: the gradient magnitude at the first sample that is not transparent, as grey.
+//! A debug view: the gradient magnitude at the first sample that is not transparent, as gray.
 struct Params {
     /// The magnitude that is white.
     /// default 100, range 1e-30 to 1e30

@@ -1,4 +1,4 @@
-//! A debug view: how many samples the ray takes, as grey.
+//! A debug view: how many samples the ray takes, as gray.
 struct Params {
     /// The number that is white.
     /// default 500, range 1 to 1e9

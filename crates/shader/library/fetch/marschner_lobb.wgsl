@@ -1,7 +1,7 @@
 //! The test signal of S. Marschner and R. Lobb (Visualization 1994) instead of what is stored, -1 to 1 over the
-//! voxel centres along each axis: it shows how well reconstruction works.
+//! voxel centers along each axis: it shows how well reconstruction works.
 struct Params {
-    /// Waves from the centre to the border.
+    /// Waves from the center to the border.
     /// default 6, range 0 to 1000
     frequency: f32,
     /// How high they are.

@@ -1,4 +1,4 @@
-//! The derivative of the cubic B-spline whose coefficients are the input at voxel centres: 64 reads, smooth to
+//! The derivative of the cubic B-spline whose coefficients are the input at voxel centers: 64 reads, smooth to
 //! the first derivative.
 fn weights(a: f32) -> vec4f {
     let b = 1.0 - a;

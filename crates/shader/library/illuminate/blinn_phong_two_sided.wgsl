@@ -1,6 +1,6 @@
 //! As blinn_phong, with absolute values of both products: light from behind a surface lights it as from the front.
 struct Params {
-    /// Share of the colour that follows the angle to the light.
+    /// Share of the color that follows the angle to the light.
     /// default 0.8, range 0 to 10
     diffuse: f32,
     /// Strength of the white highlight.

@@ -1,7 +1,7 @@
 //! Cel shading, as in drawn films (A. Lake et al. 2000): brightness by the cosine of the angle to the light in a few even steps, and
 //! none where the surface turns away from the eye, which draws an outline.
 struct Params {
-    /// Share of the colour that follows the angle to the light.
+    /// Share of the color that follows the angle to the light.
     /// default 0.8, range 0 to 10
     diffuse: f32,
     /// Steps of brightness.

@@ -1,7 +1,7 @@
 //! Matt, with dark silhouettes: light is damped where the surface turns away from the eye, by exp(-strength * s), where s rises
 //! from 0 to 1 with the slant 1 - |N * V| (J. Groll 2017, after R. de Moura Pinto and C. Freitas 2010).
 struct Params {
-    /// Share of the colour that follows the angle to the light.
+    /// Share of the color that follows the angle to the light.
     /// default 0.8, range 0 to 10
     diffuse: f32,
     /// How dark silhouettes are.

@@ -2,7 +2,7 @@
 //! (2007) and the height-correlated masking of E. Heitz (2014), whose denominator is never 0 where
 //! the surface is lit: no NaN.
 struct Params {
-    /// Share of the colour that follows the angle to the light.
+    /// Share of the color that follows the angle to the light.
     /// default 0.8, range 0 to 10
     diffuse: f32,
     /// How rough the facets are.

@@ -1,6 +1,6 @@
 //! Matt: brightness by the cosine of the angle to the light.
 struct Params {
-    /// Share of the colour that follows the angle to the light.
+    /// Share of the color that follows the angle to the light.
     /// default 0.8, range 0 to 10
     diffuse: f32,
 }

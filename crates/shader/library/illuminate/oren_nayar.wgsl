@@ -1,7 +1,7 @@
 //! Matt and rough (M. Oren and S. Nayar 1994): V-shaped cavities of facets that each are Lambertian, in the qualitative form
 //! of the paper, without interreflection. Flatter than Lambert seen along the light, brighter at the rim.
 struct Params {
-    /// Share of the colour that follows the angle to the light.
+    /// Share of the color that follows the angle to the light.
     /// default 0.8, range 0 to 10
     diffuse: f32,
     /// Standard deviation of the slope angle of the facets; 0 is Lambert.

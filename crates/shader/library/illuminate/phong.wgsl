@@ -1,6 +1,6 @@
 //! B. Phong's model (1975): a highlight around the mirrored light.
 struct Params {
-    /// Share of the colour that follows the angle to the light.
+    /// Share of the color that follows the angle to the light.
     /// default 0.8, range 0 to 10
     diffuse: f32,
     /// Strength of the white highlight.

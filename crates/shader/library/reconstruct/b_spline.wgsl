@@ -4,7 +4,7 @@ fn reconstruct(position: vec3f) -> f32 {
     return b_spline(position);
 }
 
-// Two pairs of voxels per axis, each by its centre of gravity: 8 linear steps of 8 voxels instead of 64 products
+// Two pairs of voxels per axis, each by its center of gravity: 8 linear steps of 8 voxels instead of 64 products
 // (C. Sigg and M. Hadwiger, GPU Gems 2, chapter 20, 2005).
 fn b_spline(position: vec3f) -> f32 {
     let clamped = clamp(position, vec3f(0.0), vec3f(dims() - 1));

@@ -3,7 +3,7 @@ fn reconstruct(position: vec3f) -> f32 {
     return b_spline(position);
 }
 
-// Two taps per axis at the centres of gravity of pairs of weights: 8 linear reads instead of 64
+// Two taps per axis at the centers of gravity of pairs of weights: 8 linear reads instead of 64
 // (C. Sigg and M. Hadwiger, GPU Gems 2, chapter 20, 2005).
 fn b_spline(position: vec3f) -> f32 {
     let clamped = clamp(position, vec3f(0.0), vec3f(dims() - 1));

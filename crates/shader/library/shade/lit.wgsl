@@ -1,7 +1,7 @@
-//! Ambient light, multiplied by the surface colour, and all lights, with the gradient as normal.
-//! Without a gradient the colour stays as it is.
+//! Ambient light, multiplied by the surface color, and all lights, with the gradient as normal.
+//! Without a gradient the color stays as it is.
 struct Params {
-    /// Share of the colour that is there without light.
+    /// Share of the color that is there without light.
     /// default 0.25, range 0 to 10
     ambient: f32,
 }

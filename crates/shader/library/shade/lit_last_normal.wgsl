@@ -1,7 +1,7 @@
 //! As `lit`, but where there is no gradient the last normal of the ray counts, so that the inside
 //! of a material looks like its surface.
 struct Params {
-    /// Share of the colour that is there without light.
+    /// Share of the color that is there without light.
     /// default 0.25, range 0 to 10
     ambient: f32,
 }

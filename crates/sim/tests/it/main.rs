@@ -33,7 +33,7 @@ fn draw(spec: &Spec, volume: &VolumeStore) -> Run {
 
 /// A volume of 8-bit voxels, x fastest.
 fn volume_of(dims: [usize; 3], voxels: Vec<u8>) -> VolumeStore {
-    let grid = Grid::centred(dims, glam::DVec3::ONE).unwrap();
+    let grid = Grid::centered(dims, glam::DVec3::ONE).unwrap();
     let volume = Volume::new(
         grid,
         Samples::U8(voxels),

@@ -6,13 +6,13 @@ use strahl_scene::plan::{Display, DisplayCurve, ToneMap};
 /// Relative luminance of linear sRGB, ITU-R BT.709.
 const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
 
-/// A pixel as PNG wants it: encoded colour that is not multiplied by alpha, and alpha, all in
+/// A pixel as PNG wants it: encoded color that is not multiplied by alpha, and alpha, all in
 /// 0..=1.
 ///
 /// The steps are, in this order: divide by alpha, multiply by the exposure, tone map, encode, invert. The
-/// division comes first so that the colour of a half-transparent pixel is the one that the same
+/// division comes first so that the color of a half-transparent pixel is the one that the same
 /// material has where it is opaque. What is not finite becomes 0. A background of the display comes behind the tone
-/// map, in the light that is encoded, so that it has its own colour.
+/// map, in the light that is encoded, so that it has its own color.
 pub(super) fn display_pixel(pixel: [f32; 4], display: &Display) -> [f32; 4] {
     let [r, g, b, a] = positive(pixel, display);
     match display.invert && a > 0.0 {
@@ -45,7 +45,7 @@ fn positive([r, g, b, a]: [f32; 4], display: &Display) -> [f32; 4] {
     let [r, g, b] = match display.background {
         None => light.map(|light| encoded(light, display.curve)),
         Some(behind) => std::array::from_fn(|c| {
-            // The light that the curve makes the background's colour of.
+            // The light that the curve makes the background's color of.
             let behind = decoded(srgb_from_linear(behind[c]), display.curve);
             encoded(
                 alpha * light[c].min(1.0) + (1.0 - alpha) * behind,
@@ -178,7 +178,7 @@ mod tests {
     }
 
     #[test]
-    fn colour_does_not_depend_on_alpha() {
+    fn color_does_not_depend_on_alpha() {
         let opaque = display_pixel([0.5, 0.25, 0.125, 1.0], &PLAIN);
         let thin = display_pixel([0.05, 0.025, 0.0125, 0.1], &PLAIN);
         for c in 0..3 {
@@ -194,7 +194,7 @@ mod tests {
             tone_map: ToneMap::Reinhard,
             ..PLAIN
         };
-        // Grey 0.5 · 2 = 1, and 1 / (1 + 1) = 0.5.
+        // Gray 0.5 · 2 = 1, and 1 / (1 + 1) = 0.5.
         let pixel = display_pixel([0.5, 0.5, 0.5, 1.0], &display);
         assert!((pixel[0] - 0.735_36).abs() < 2e-5, "{pixel:?}");
         let bright = display_pixel([500.0, 500.0, 500.0, 1.0], &display);
@@ -246,7 +246,7 @@ mod tests {
         near(grey(11.2, ToneMap::Hable { white: 11.2 }), 1.0);
         // f(1) = 0.204/0.71 − 1/15, f(11.2) = 19.380/24.476 − 1/15.
         near(grey(1.0, ToneMap::Hable { white: 11.2 }), 0.304_300);
-        // Reinhard's keep the ratios of the channels; what is not grey is no exception.
+        // Reinhard's keep the ratios of the channels; what is not gray is no exception.
         let [r, g, b] = tone_map([2.0, 1.0, 0.5], ToneMap::ReinhardExtended { white: 3.0 });
         near(r / g, 2.0);
         near(g / b, 2.0);

@@ -30,7 +30,7 @@ pub(super) fn write(
 ) -> Result<(), Error> {
     let size = (image.width() as usize, image.height() as usize);
     let limit = f16::MAX.to_f32();
-    let colour = |c: usize| {
+    let color = |c: usize| {
         let behind = background.map_or(0.0, |[r, g, b]| [r, g, b, 1.0][c]);
         let pixels = image.pixels().iter();
         let numbers = pixels.map(move |pixel| match background {
@@ -49,7 +49,7 @@ pub(super) fn write(
     };
     let names = ["R", "G", "B", "A"].into_iter().enumerate();
     let mut channels: SmallVec<[AnyChannel<FlatSamples>; 4]> = names
-        .map(|(c, name)| AnyChannel::new(name, colour(c)))
+        .map(|(c, name)| AnyChannel::new(name, color(c)))
         .collect();
     if let Some(depth_mm) = depth_mm {
         channels.push(AnyChannel::new("Z", FlatSamples::F32(depth_mm.to_vec())));

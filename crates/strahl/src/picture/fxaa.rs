@@ -2,10 +2,10 @@
 //!
 //! T. Lottes, *FXAA*, NVIDIA 2009, in the form of version 3.11 (2011). Works on display numbers, because
 //! the eye sees steps in those. Departures: an end of an edge lies between two pixels, so that a long straight
-//! edge gets its exact coverage; every pixel on the way to it is looked at; colours are mixed with what they hide, and so
+//! edge gets its exact coverage; every pixel on the way to it is looked at; colors are mixed with what they hide, and so
 //! is alpha, so that the silhouette of an object becomes smooth and a transparent background does not bleed into it.
 
-/// Contrast below this share of the brightest neighbour is no edge …
+/// Contrast below this share of the brightest neighbor is no edge …
 const SMALLEST_CONTRAST_SHARE: f32 = 0.125;
 /// … nor is one below this.
 const SMALLEST_CONTRAST: f32 = 0.0312;
@@ -14,7 +14,7 @@ const SINGLE_PIXELS: f32 = 0.75;
 /// How far the ends of an edge are looked for, in pixels.
 const FARTHEST: i64 = 16;
 
-/// Picture of `width` pixels per row: display colours that are not multiplied by alpha, and alpha.
+/// Picture of `width` pixels per row: display colors that are not multiplied by alpha, and alpha.
 /// Pixels at no edge are returned as they are.
 pub(super) fn smoothed(pixels: &[[f32; 4]], width: usize) -> Vec<[f32; 4]> {
     if pixels.is_empty() || width == 0 {
@@ -31,7 +31,7 @@ pub(super) fn smoothed(pixels: &[[f32; 4]], width: usize) -> Vec<[f32; 4]> {
 }
 
 /// Brightness as seen on what is darker than black, so that a black object has an edge, with the weights of ITU-R
-/// BT.601, which are for encoded colours.
+/// BT.601, which are for encoded colors.
 fn luma([r, g, b, a]: &[f32; 4]) -> f32 {
     a * (0.299 * r + 0.587 * g + 0.114 * b) - (1.0 - a)
 }
@@ -88,7 +88,7 @@ impl Picture<'_> {
             ((side, 0), (0, 1))
         };
 
-        // Along the edge, which runs between the pixel and its neighbour across, until the mean of
+        // Along the edge, which runs between the pixel and its neighbor across, until the mean of
         // the two sides is another.
         let pair = |i: i64| {
             let (x, y) = (x + i * along.0, y + i * along.1);
@@ -121,16 +121,16 @@ impl Picture<'_> {
     }
 }
 
-/// The pixel with a share of the other; their colours weigh as much as they hide.
+/// The pixel with a share of the other; their colors weigh as much as they hide.
 fn mixed(pixel: [f32; 4], other: [f32; 4], share: f32) -> [f32; 4] {
     let (own, others) = (pixel[3] * (1.0 - share), other[3] * share);
     if share <= 0.0 || own + others <= 0.0 {
         return pixel;
     }
-    let colour = |c: usize| (own * pixel[c] + others * other[c]) / (own + others);
+    let color = |c: usize| (own * pixel[c] + others * other[c]) / (own + others);
     // Opaque pixels stay exactly so.
     let alpha = pixel[3] + (other[3] - pixel[3]) * share;
-    [colour(0), colour(1), colour(2), alpha]
+    [color(0), color(1), color(2), alpha]
 }
 
 #[cfg(test)]
@@ -249,7 +249,7 @@ mod tests {
         }
     }
 
-    /// The colours of half-covered pixels are the object's, and their alpha comes nearer to what it covers of them.
+    /// The colors of half-covered pixels are the object's, and their alpha comes nearer to what it covers of them.
     #[test]
     fn silhouettes_are_smooth_in_alpha_and_keep_their_color() {
         for color in [[1.0, 0.0, 0.0], [0.0; 3], [1.0; 3]] {

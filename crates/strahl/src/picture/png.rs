@@ -34,12 +34,12 @@ pub(super) fn write(
         BitDepth::Sixteen => 65_535.0f32,
         _ => 255.0,
     };
-    let quantise = |v: f32| (v * levels + 0.5) as u16;
+    let quantize = |v: f32| (v * levels + 0.5) as u16;
     let opaque = display.background.is_some()
         || image
             .pixels()
             .iter()
-            .all(|p| quantise(p[3].clamp(0.0, 1.0)) == levels as u16);
+            .all(|p| quantize(p[3].clamp(0.0, 1.0)) == levels as u16);
     let channels = if opaque { 3 } else { 4 };
 
     let mut encoder = Encoder::new(out, image.width(), image.height());
@@ -81,8 +81,8 @@ pub(super) fn write(
         for pixel in encoded.by_ref().take(width) {
             for value in &pixel[..channels] {
                 match depth {
-                    BitDepth::Sixteen => row.extend(quantise(*value).to_be_bytes()),
-                    _ => row.push(quantise(*value) as u8),
+                    BitDepth::Sixteen => row.extend(quantize(*value).to_be_bytes()),
+                    _ => row.push(quantize(*value) as u8),
                 }
             }
         }

@@ -16,7 +16,7 @@ fn linear_color() -> DVec3 {
 }
 
 fn volume(value: impl Fn(DVec3) -> f64) -> Volume {
-    let grid = Grid::centred([40; 3], DVec3::ONE).unwrap();
+    let grid = Grid::centered([40; 3], DVec3::ONE).unwrap();
     let mut samples = Vec::new();
     for i in 0..40 * 40 * 40 {
         let voxel = DVec3::from_array([i % 40, i / 40 % 40, i / 1600].map(f64::from));

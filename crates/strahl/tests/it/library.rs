@@ -99,7 +99,7 @@ fn what_changes_nothing_is_noted() {
 #[test]
 fn volumes_of_which_clips_leave_nothing_are_noted() {
     // A mask of the right half, where the moved object does not come.
-    let grid = Grid::centred([32; 3], strahl::glam::DVec3::ONE).unwrap();
+    let grid = Grid::centered([32; 3], strahl::glam::DVec3::ONE).unwrap();
     let half: Vec<u8> = (0..32 * 32 * 32).map(|i| u8::from(i % 32 >= 16)).collect();
     let of = |samples| Volume::new(grid, samples, Rescale::IDENTITY, Metadata::default()).unwrap();
     let folder = tempfile::tempdir().unwrap();

@@ -22,7 +22,7 @@ fn sample() -> String {
     fs::read_to_string(examples().join("nodes/lit-sample.graph.json")).unwrap()
 }
 
-/// By slices; the sample's colour and opacity are `sample.color` and `sample.opacity`.
+/// By slices; the sample's color and opacity are `sample.color` and `sample.opacity`.
 fn slices(slicing: &str, pixel: &str) -> String {
     format!(
         r#"{{ "slicing": {slicing}, "nodes": {{
@@ -114,7 +114,7 @@ fn both_orders_and_blends_are_one_picture() {
     let forth = slices(r#"{ "blend": "front-to-back" }"#, PREMULTIPLIED);
     let forth = on_all(&scene(PERSPECTIVE, &forth));
     let associated = slices(r#"{ "blend": "back-to-front" }"#, PREMULTIPLIED);
-    // Colours that are not multiplied by their opacity: the blend does that.
+    // Colors that are not multiplied by their opacity: the blend does that.
     let unassociated = slices(
         r#"{ "order": "back-to-front", "blend": {
             "color": { "source": "source-opacity", "destination": "one-minus-source-opacity" },

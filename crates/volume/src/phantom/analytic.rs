@@ -57,24 +57,24 @@ pub fn thin_shells<N: Number>(p: Point<N>) -> N {
 /// Fog that is thin everywhere: 24 wide Gaussian puffs, nowhere above 0.1.
 ///
 /// value = Σ a_k exp(−|p − c_k|² / 2 s_k²), a_k 0.01 to 0.03, s_k 6 to 14 mm, c_k within 30 mm of the
-/// centre, from a fixed seed; the sum is scaled so that its bound Σ over overlapping puffs stays below 0.1.
+/// center, from a fixed seed; the sum is scaled so that its bound Σ over overlapping puffs stays below 0.1.
 pub fn fog<N: Number>(p: Point<N>) -> N {
     static PUFFS: OnceLock<[(DVec3, f64, f64); 24]> = OnceLock::new();
     let puffs = PUFFS.get_or_init(|| {
         let mut random = Random::new(24);
         std::array::from_fn(|_| {
-            let centre = random.direction() * (30.0 * random.unit().cbrt());
+            let center = random.direction() * (30.0 * random.unit().cbrt());
             let width_mm = random.between(6.0, 14.0);
             (
-                centre,
+                center,
                 -0.5 / (width_mm * width_mm),
                 random.between(0.01, 0.03),
             )
         })
     });
     let mut value = N::constant(0.0);
-    for &(centre, falloff, height) in puffs {
-        let q = [p[0] - centre.x, p[1] - centre.y, p[2] - centre.z];
+    for &(center, falloff, height) in puffs {
+        let q = [p[0] - center.x, p[1] - center.y, p[2] - center.z];
         let squared = q[0].squared() + q[1].squared() + q[2].squared();
         value = value + (squared * falloff).exp() * height;
     }

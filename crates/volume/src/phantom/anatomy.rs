@@ -57,7 +57,7 @@ pub enum Tissue {
     Earring,
 }
 
-/// Name and colour (sRGB) of a tissue.
+/// Name and color (sRGB) of a tissue.
 pub struct TissueFacts {
     /// The tissue.
     pub tissue: Tissue,

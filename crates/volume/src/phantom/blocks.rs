@@ -15,7 +15,7 @@ const PIECE: usize = 1 << 20;
 /// One number per voxel of an axis-aligned `grid`, x fastest.
 ///
 /// For every block of voxels `prune` gets its box and writes to the scratch what matters there; where it says
-/// that nothing does the numbers are `nothing`, elsewhere `at` gives them for each voxel centre. As
+/// that nothing does the numbers are `nothing`, elsewhere `at` gives them for each voxel center. As
 /// every number depends on its own voxel only, the bytes are the same at any number of threads.
 ///
 /// # Errors

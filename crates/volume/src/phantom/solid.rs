@@ -18,7 +18,7 @@ pub enum Shape {
     /// An ellipsoid with its axes along the columns of `axes`. Its distance is Quilez' first-order
     /// estimate: exact on the surface, its slope there 1.
     Ellipsoid {
-        centre: DVec3,
+        center: DVec3,
         radii: DVec3,
         axes: Option<DMat3>,
     },
@@ -31,14 +31,14 @@ pub enum Shape {
     },
     /// A box of the half edges `half` (the rounding included) with its axes along the columns of `axes`.
     Block {
-        centre: DVec3,
+        center: DVec3,
         half: DVec3,
         rounding: f64,
         axes: Option<DMat3>,
     },
     /// A ring around the third column of `axes`.
     Ring {
-        centre: DVec3,
+        center: DVec3,
         radius: f64,
         thickness: f64,
         axes: DMat3,
@@ -51,11 +51,11 @@ impl Shape {
     pub fn distance<N: Number>(&self, p: Point<N>) -> N {
         match *self {
             Shape::Ellipsoid {
-                centre,
+                center,
                 radii,
                 axes,
             } => {
-                let q = local(p, centre, axes);
+                let q = local(p, center, axes);
                 let k0 = length(scaled(q, radii.recip()));
                 let k1 = length(scaled(q, (radii * radii).recip()));
                 let range = [radii.min_element(), radii.max_element()];
@@ -75,12 +75,12 @@ impl Shape {
                 length(off) - along * (radius_b - radius_a) - radius_a
             }
             Shape::Block {
-                centre,
+                center,
                 half,
                 rounding,
                 axes,
             } => {
-                let q = local(p, centre, axes);
+                let q = local(p, center, axes);
                 let inner = half - rounding;
                 let d = [
                     q[0].abs() - inner.x,
@@ -93,12 +93,12 @@ impl Shape {
                 outside + inside - rounding
             }
             Shape::Ring {
-                centre,
+                center,
                 radius,
                 thickness,
                 axes,
             } => {
-                let q = local(p, centre, Some(axes));
+                let q = local(p, center, Some(axes));
                 let off = (q[0].squared() + q[1].squared()).sqrt() - radius;
                 (off.squared() + q[2].squared()).sqrt() - thickness
             }

@@ -1,4 +1,4 @@
-//! One Windows bitmap, grey or coloured, not compressed.
+//! One Windows bitmap, gray or colored, not compressed.
 //!
 //! | offset | type  | what                                                                   |
 //! |--------|-------|------------------------------------------------------------------------|
@@ -10,7 +10,7 @@
 //! | 30     | u32   | compression; 0 for none                                                |
 //! | 46     | u32   | entries of the palette; 0 for all                                      |
 //!
-//! Rows are filled up to 4 bytes. A palette whose entries are all grey gives grey pictures.
+//! Rows are filled up to 4 bytes. A palette whose entries are all gray gives gray pictures.
 
 use super::bit_fields::unpacked;
 use super::block::reserve;
@@ -70,7 +70,7 @@ pub(crate) fn read(
     };
     let is_grey = bits <= 8 && palette.iter().all(|[r, g, b]| r == g && g == b);
     let numbers = if is_grey { 1 } else { 3 };
-    let choice = components::choice(numbers, Meaning::Colour, options, notes)?;
+    let choice = components::choice(numbers, Meaning::Color, options, notes)?;
 
     let row_bytes = (dims[0] * bits as usize).div_ceil(32) * 4;
     let start = u64::from(word(10));
@@ -111,7 +111,7 @@ pub(crate) fn read(
     Ok(Picture {
         dims,
         samples,
-        components: Meaning::Colour.of(numbers),
+        components: Meaning::Color.of(numbers),
     })
 }
 

@@ -1,4 +1,4 @@
-//! Several numbers per voxel: colour is turned into luminance, or one of them is taken.
+//! Several numbers per voxel: color is turned into luminance, or one of them is taken.
 
 use super::{LoadedComponents, LoadedVolume, ReadOptions};
 use crate::Components;
@@ -8,8 +8,8 @@ use crate::{Sample, Samples, with_samples};
 /// What the numbers of a voxel are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Meaning {
-    /// Red, green and blue, perhaps with opacity; or grey with opacity.
-    Colour,
+    /// Red, green and blue, perhaps with opacity; or gray with opacity.
+    Color,
     /// A vector, or nobody says.
     Vector,
 }
@@ -19,7 +19,7 @@ impl Meaning {
     pub(crate) fn of(self, count: usize) -> Components {
         Components {
             count,
-            are_colors: count > 1 && self == Meaning::Colour,
+            are_colors: count > 1 && self == Meaning::Color,
         }
     }
 }
@@ -57,11 +57,11 @@ pub(crate) fn choice(
             notes.push(note_of(component, count));
             Ok(Choice::One(component))
         }
-        (None, Meaning::Colour) if count == 2 => {
+        (None, Meaning::Color) if count == 2 => {
             notes.push("opacity (the second of two numbers per voxel) was left out".into());
             Ok(Choice::One(0))
         }
-        (None, Meaning::Colour) if matches!(count, 3 | 4) => {
+        (None, Meaning::Color) if matches!(count, 3 | 4) => {
             notes.push(
                 "colors were turned into luminance (BT.709); single components can be picked"
                     .into(),
@@ -189,14 +189,14 @@ mod tests {
         };
         assert_eq!(pick(1, Meaning::Vector, None).unwrap(), Choice::One(0));
         assert_eq!(pick(3, Meaning::Vector, Some(2)).unwrap(), Choice::One(2));
-        assert_eq!(pick(2, Meaning::Colour, None).unwrap(), Choice::One(0));
+        assert_eq!(pick(2, Meaning::Color, None).unwrap(), Choice::One(0));
         let open = pick(3, Meaning::Vector, None).unwrap_err();
         assert_eq!(open.remedy(), Some(Remedy::Component));
         assert!(open.to_string().contains("0 to 2"), "{open}");
-        assert!(pick(3, Meaning::Colour, Some(3)).is_err());
-        assert!(pick(1, Meaning::Colour, Some(0)).is_ok());
+        assert!(pick(3, Meaning::Color, Some(3)).is_err());
+        assert!(pick(1, Meaning::Color, Some(0)).is_ok());
         assert!(
-            pick(1, Meaning::Colour, Some(1))
+            pick(1, Meaning::Color, Some(1))
                 .unwrap_err()
                 .to_string()
                 .contains("one number")

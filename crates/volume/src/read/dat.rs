@@ -5,7 +5,7 @@
 //! Resolution:     256 256 128
 //! SliceThickness: 1.0 1.0 2.0     (Inviwo: Spacing)
 //! Format:         UCHAR           CHAR UCHAR SHORT USHORT INT UINT FLOAT DOUBLE, or UINT8 … FLOAT64
-//! ObjectModel:    I               colours (RGB, RGBA, …) are not volumes of values
+//! ObjectModel:    I               colors (RGB, RGBA, …) are not volumes of values
 //! GridType:       EQUIDISTANT
 //! Endianess:      LITTLE          (Inviwo: ByteOrder: LittleEndian)
 //! ByteOffset:     0               bytes before the first sample

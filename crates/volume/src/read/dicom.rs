@@ -297,7 +297,7 @@ fn assemble(
         loaded.notes.splice(0..0, notes);
         return Ok(loaded);
     }
-    note_mislabelled(&images, &mut notes);
+    note_mislabeled(&images, &mut notes);
     let Arranged {
         frames,
         stack,
@@ -306,7 +306,7 @@ fn assemble(
     let slices: Vec<&Frame> = stack.slices.iter().map(|slice| &frames[*slice]).collect();
     let layout = slices[0].layout;
     let components = layout.components();
-    let choice = components::choice(components.count, Meaning::Colour, options, &mut notes)?;
+    let choice = components::choice(components.count, Meaning::Color, options, &mut notes)?;
 
     let rescale = slices[0].rescale;
     let is_uniform = slices.iter().all(|slice| slice.rescale == rescale);
@@ -375,8 +375,8 @@ fn arranged(
     })
 }
 
-fn note_mislabelled(images: &[Image], notes: &mut Vec<String>) {
-    let mut odd = images.iter().filter(|image| image.elements.is_mislabelled);
+fn note_mislabeled(images: &[Image], notes: &mut Vec<String>) {
+    let mut odd = images.iter().filter(|image| image.elements.is_mislabeled);
     if let Some(first) = odd.next() {
         let written = match first.elements.syntax.is_explicit {
             true => "explicit",

@@ -1,4 +1,4 @@
-//! One JPEG picture of 8 bits, grey or coloured: a slice of a sequence that somebody saved with loss.
+//! One JPEG picture of 8 bits, gray or colored: a slice of a sequence that somebody saved with loss.
 
 use super::components::{self, Meaning};
 use super::png::Picture;
@@ -36,7 +36,7 @@ pub(crate) fn read(
             .into());
         }
     };
-    let choice = components::choice(numbers, Meaning::Colour, options, notes)?;
+    let choice = components::choice(numbers, Meaning::Color, options, notes)?;
     if decoded.len() != components::total(dims[0] * dims[1], numbers)? {
         return Err(damaged(format!("it decodes to {} bytes", decoded.len())));
     }
@@ -45,7 +45,7 @@ pub(crate) fn read(
     Ok(Picture {
         dims,
         samples,
-        components: Meaning::Colour.of(numbers),
+        components: Meaning::Color.of(numbers),
     })
 }
 

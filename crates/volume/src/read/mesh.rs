@@ -1,7 +1,7 @@
 //! Triangle meshes: STL, OBJ, PLY.
 //!
 //! None of the three formats says in which space its numbers are. Numbers are taken as they stand, in
-//! the RAS millimetres of the volumes, unless the file carries the remark of 3D Slicer (`SPACE=LPS`
+//! the RAS millimeters of the volumes, unless the file carries the remark of 3D Slicer (`SPACE=LPS`
 //! or `SPACE=RAS` in the header of an STL, in a comment of an OBJ or PLY), or the caller says
 //! otherwise. Meshes of ITK and of 3D Slicer are in LPS.
 //!
@@ -27,7 +27,7 @@ use crate::mesh::Mesh;
 use glam::{DAffine3, DVec3};
 use surface::Surface;
 
-/// The space that the numbers of a mesh file are in, always millimetres.
+/// The space that the numbers of a mesh file are in, always millimeters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MeshSpace {
     /// x to the patient's right, y to the front, z to the head: the world of the volumes.

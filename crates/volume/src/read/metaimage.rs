@@ -10,7 +10,7 @@
 //! | `BinaryDataByteOrderMSB`, `ElementByteOrderMSB`| `True`: big endian (default `False`)           |
 //! | `CompressedData`                               | `True`: zlib (or gzip)                         |
 //! | `TransformMatrix`, `Orientation`, `Rotation`   | row i is the direction of grid axis i in LPS   |
-//! | `Offset`, `Position`, `Origin`                 | of the first voxel's centre in LPS             |
+//! | `Offset`, `Position`, `Origin`                 | of the first voxel's center in LPS             |
 //! | `ElementSpacing`, `ElementSize`                | distance of voxels; the first given counts     |
 //! | `DistanceUnits`                                | mm (default), cm, um                           |
 //! | `ElementToIntensityFunctionSlope`, `…Offset`   | value = slope · stored + offset                |
@@ -49,7 +49,7 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<LoadedVolume,
         ));
     }
     let meaning = match stored {
-        Stored::Kept(SampleType::U8) => Meaning::Colour,
+        Stored::Kept(SampleType::U8) => Meaning::Color,
         _ => Meaning::Vector,
     };
     let choice = components::choice(channels, meaning, options, &mut notes)?;

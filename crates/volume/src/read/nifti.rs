@@ -26,7 +26,7 @@
 //! Tables of labels stand in extensions behind the header.
 //!
 //! Which affine counts: the sform if `sform_code` is not 0, else the qform if `qform_code` is not 0,
-//! else the spacings about the centre of the grid with x to the left, which is what nibabel does.
+//! else the spacings about the center of the grid with x to the left, which is what nibabel does.
 
 mod extensions;
 
@@ -69,11 +69,11 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<LoadedVolume,
             },
         ));
     }
-    // Colours lie side by side, vectors one volume behind the other.
-    let (side_by_side, behind) = (header.colours(), header.vector_length()?);
+    // Colors lie side by side, vectors one volume behind the other.
+    let (side_by_side, behind) = (header.colors(), header.vector_length()?);
     let (numbers, meaning) = match side_by_side {
         1 => (behind, Meaning::Vector),
-        n => (n * behind, Meaning::Colour),
+        n => (n * behind, Meaning::Color),
     };
     if side_by_side > 1 && behind > 1 {
         return Err(Error::field("dim[5]", behind, "1 for colors"));
@@ -518,7 +518,7 @@ impl Header {
     }
 
     /// Numbers of a voxel that lie side by side.
-    fn colours(&self) -> usize {
+    fn colors(&self) -> usize {
         match self.datatype {
             128 => 3,
             2304 => 4,

@@ -484,9 +484,9 @@ impl Header {
             let is_list = matches!(kind, "list" | "time" | "???" | "none" | "domain" | "space");
             let several_numbers = !is_list;
             if several_numbers && component_axis.is_none() {
-                let is_colour = matches!(kind, "rgb-color" | "rgba-color");
-                let meaning = match is_colour {
-                    true => Meaning::Colour,
+                let is_color = matches!(kind, "rgb-color" | "rgba-color");
+                let meaning = match is_color {
+                    true => Meaning::Color,
                     false => Meaning::Vector,
                 };
                 component_axis = Some((axis, meaning));

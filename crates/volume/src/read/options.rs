@@ -7,7 +7,7 @@ use crate::{Error, Label, SampleType};
 pub struct ReadOptions {
     /// Which time point of a 4-D file to take, from 0.
     pub time_index: usize,
-    /// Which of several numbers per voxel to take, from 0. Without, colours become luminance.
+    /// Which of several numbers per voxel to take, from 0. Without, colors become luminance.
     pub component: Option<usize>,
     /// Which DICOM series to take: its number in the list from 1, its series number, or (the
     /// beginning of) its instance UID.
@@ -16,7 +16,7 @@ pub struct ReadOptions {
     pub allow_gaps: bool,
     /// Layout of headerless files; what is `None` is taken from the file's name, else asked for.
     pub raw: RawLayout,
-    /// Distance between voxel centres in mm for files that do not say (raw, npy, TIFF, PNG, and
+    /// Distance between voxel centers in mm for files that do not say (raw, npy, TIFF, PNG, and
     /// `.dat` without `SliceThickness`).
     pub spacing_mm: Option<[f64; 3]>,
     /// Whether the numbers are object ids even if the file does not say so: [`LoadedVolume::labels`] is
@@ -55,7 +55,7 @@ pub(super) enum Open {
     Layout,
     /// Byte order.
     Endian,
-    /// Distance between voxel centres.
+    /// Distance between voxel centers.
     Spacing,
 }
 

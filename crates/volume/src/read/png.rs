@@ -1,4 +1,4 @@
-//! One PNG of 1, 2, 4, 8 or 16 bits, grey or coloured. Numbers are kept as they are stored: those of fewer than
+//! One PNG of 1, 2, 4, 8 or 16 bits, gray or colored. Numbers are kept as they are stored: those of fewer than
 //! 8 bits become u8 without being stretched.
 
 use super::Bytes;
@@ -71,7 +71,7 @@ pub(crate) fn read(
         0 => reader.output_color_type().0.samples(),
         n => n,
     };
-    let choice = components::choice(channels, Meaning::Colour, options, notes)?;
+    let choice = components::choice(channels, Meaning::Color, options, notes)?;
     let count = components::total(dims[0] * dims[1], channels)?;
     bytes.has_room(2 * count as u64)?;
     let samples = match depth {
@@ -113,7 +113,7 @@ pub(crate) fn read(
     Ok(Picture {
         dims,
         samples,
-        components: Meaning::Colour.of(channels),
+        components: Meaning::Color.of(channels),
     })
 }
 

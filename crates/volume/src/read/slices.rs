@@ -109,7 +109,7 @@ struct Slice {
     dims: [usize; 2],
     samples: Samples,
     components: Components,
-    /// Distance between voxel centres and whether it has a length unit, if the file says.
+    /// Distance between voxel centers and whether it has a length unit, if the file says.
     spacing_mm: Option<([f64; 3], bool)>,
     notes: Vec<String>,
 }

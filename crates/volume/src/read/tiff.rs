@@ -115,7 +115,7 @@ pub(crate) struct Slice {
     pub(crate) dims: [usize; 2],
     pub(crate) samples: Samples,
     pub(crate) components: Components,
-    /// Distance between voxel centres and whether it has a length unit, if the file says.
+    /// Distance between voxel centers and whether it has a length unit, if the file says.
     pub(crate) spacing_mm: Option<([f64; 3], bool)>,
 }
 
@@ -158,7 +158,7 @@ fn described(file: &Directories) -> Option<Description> {
     known.or_else(|| shaped::parse(&file.description, numbers))
 }
 
-/// Distance between voxel centres and whether it has a length unit, if the file says anything of it.
+/// Distance between voxel centers and whether it has a length unit, if the file says anything of it.
 fn spacing_mm(
     file: &Directories,
     described: Option<&Description>,
@@ -221,7 +221,7 @@ impl Colors<'_> {
     fn choice(&self, options: &ReadOptions, notes: &mut Vec<String>) -> Result<Choice, Error> {
         let meaning = match self {
             Colors::Stored { meaning, .. } => *meaning,
-            Colors::Indices(_) => Meaning::Colour,
+            Colors::Indices(_) => Meaning::Color,
         };
         components::choice(self.components().count, meaning, options, notes)
     }

@@ -2,7 +2,7 @@
 //! pictures.
 //!
 //! They are taken as ITK takes them: voxel axes are the patient's left, back and head (LPS), the
-//! first voxel's centre lies at the origin. In RAS this is diag(−sx, −sy, sz). Both that frame and
+//! first voxel's center lies at the origin. In RAS this is diag(−sx, −sy, sz). Both that frame and
 //! "x to the right, y down, z away from the viewer" of a picture stack are right-handed, so nothing
 //! is mirrored: seen from the feet with the front up, slice z is the picture as it is in the file,
 //! and an axial slice saved from a viewer with the patient's left on the right lies correctly.
@@ -11,7 +11,7 @@ use super::ReadOptions;
 use crate::{Error, Grid};
 use glam::{DAffine3, DMat3, DVec3};
 
-/// The grid of a file without directions; `spacing_mm` is the distance between voxel centres.
+/// The grid of a file without directions; `spacing_mm` is the distance between voxel centers.
 ///
 /// # Errors
 /// A spacing that is not a positive number, or as [`Grid::new`].

@@ -318,10 +318,10 @@ pub(crate) fn component_count(text: &str) -> Result<usize, Error> {
     count.ok_or_else(|| Error::field("number of components", format!("`{text}`"), "1 to 1024"))
 }
 
-/// Bytes are colours, as in ParaView.
+/// Bytes are colors, as in ParaView.
 pub(crate) fn meaning(stored: Stored) -> Meaning {
     match stored {
-        Stored::Kept(SampleType::U8) => Meaning::Colour,
+        Stored::Kept(SampleType::U8) => Meaning::Color,
         _ => Meaning::Vector,
     }
 }

@@ -251,13 +251,13 @@ fn the_sform_counts_before_the_qform_and_the_qform_before_the_spacings() {
     assert_affine(affine(&file), mirrored, 1e-7);
     file.pixdim[0] = 0.0;
     assert_affine(affine(&file), turned, 1e-7);
-    // Nothing set: about the centre of the grid, x to the left, as nibabel does.
+    // Nothing set: about the center of the grid, x to the left, as nibabel does.
     file.qform_code = 0;
-    let centred = DAffine3::from_mat3_translation(
+    let centered = DAffine3::from_mat3_translation(
         DMat3::from_diagonal(DVec3::new(-2.0, 3.0, 4.0)),
         DVec3::new(1.0, -3.0, 0.0),
     );
-    assert_eq!(affine(&file), centred);
+    assert_eq!(affine(&file), centered);
     let notes = read(&[("v.nii", &file.bytes())]).unwrap().notes;
     assert!(
         notes[0].contains("sform_code and qform_code are 0"),
@@ -266,7 +266,7 @@ fn the_sform_counts_before_the_qform_and_the_qform_before_the_spacings() {
 }
 
 #[test]
-fn quaternions_are_normalised() {
+fn quaternions_are_normalized() {
     let oblique = DQuat::from_euler(glam::EulerRot::XYZ, 0.3, -0.8, 1.9);
     let with = |quatern: [f64; 3]| {
         let file = NiftiFile {
@@ -293,7 +293,7 @@ fn quaternions_are_normalised() {
 }
 
 #[test]
-fn units_become_millimetres() {
+fn units_become_millimeters() {
     for (units, factor, known) in [
         (0, 1.0, false),
         (1, 1000.0, true),
@@ -518,7 +518,7 @@ fn what_cannot_be_read_is_named() {
 }
 
 #[test]
-fn analyze_is_read_about_its_origin_or_its_centre() {
+fn analyze_is_read_about_its_origin_or_its_center() {
     let file = NiftiFile {
         vox_offset: 0.0,
         ..NiftiFile::default()
@@ -528,16 +528,16 @@ fn analyze_is_read_about_its_origin_or_its_centre() {
     header[38] = b'r';
     header[252..270].fill(0);
     let read_analyze = |header: &[u8]| read(&[("v.hdr", header), ("v.img", &file.data)]).unwrap();
-    let centred = read_analyze(&header);
-    assert_eq!(centred.volume.metadata().format, "Analyze 7.5");
-    assert_eq!(*centred.volume.samples(), Samples::I16(EXPECTED.to_vec()));
+    let centered = read_analyze(&header);
+    assert_eq!(centered.volume.metadata().format, "Analyze 7.5");
+    assert_eq!(*centered.volume.samples(), Samples::I16(EXPECTED.to_vec()));
     assert!(
-        centred.notes.iter().any(|note| note.contains("left")),
+        centered.notes.iter().any(|note| note.contains("left")),
         "{:?}",
-        centred.notes
+        centered.notes
     );
     assert_eq!(
-        centred.volume.grid().world_from_voxel().translation,
+        centered.volume.grid().world_from_voxel().translation,
         DVec3::new(1.0, -3.0, 0.0)
     );
     // SPM's origin: voxel (2, 3, 1) counted from 1.
@@ -657,7 +657,7 @@ fn whole_numbers_of_64_bits_are_read_where_they_fit() {
 }
 
 #[test]
-fn colours_become_luminance_and_components_can_be_picked() {
+fn colors_become_luminance_and_components_can_be_picked() {
     let with = |file: &NiftiFile, component| {
         let options = ReadOptions {
             component,
@@ -665,8 +665,8 @@ fn colours_become_luminance_and_components_can_be_picked() {
         };
         read_with(&[("v.nii", &file.bytes())], &options)
     };
-    // Red, green, blue, white, black, grey of 100.
-    let colours = [
+    // Red, green, blue, white, black, gray of 100.
+    let colors = [
         [255, 0, 0],
         [0, 255, 0],
         [0, 0, 255],
@@ -677,7 +677,7 @@ fn colours_become_luminance_and_components_can_be_picked() {
     for (datatype, alpha) in [(128, &[][..]), (2304, &[7][..])] {
         let file = NiftiFile {
             datatype,
-            data: colours.iter().flat_map(|c| [c, alpha].concat()).collect(),
+            data: colors.iter().flat_map(|c| [c, alpha].concat()).collect(),
             ..NiftiFile::default()
         };
         let loaded = with(&file, None).unwrap();

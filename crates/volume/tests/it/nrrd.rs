@@ -567,9 +567,9 @@ fn vectors_lie_along_any_axis() {
         *loaded.volume.samples(),
         Samples::U8((0..6).map(|i| 12 + 2 * i).collect())
     );
-    let colour =
+    let color =
         format!("{start}dimension: 4\nsizes: 4 2 3 1\nkinds: RGBA-color domain domain domain\n");
-    let loaded = read_one(&colour, None, 0).unwrap();
+    let loaded = read_one(&color, None, 0).unwrap();
     // 0.2126 · 4k + 0.7152 · (4k + 1) + 0.0722 · (4k + 2)
     let expected = (0..6)
         .map(|k| (4.0 * f64::from(k) + 0.8596).round() as u8)

@@ -169,7 +169,7 @@ proptest! {
 }
 
 fn ct() -> Volume {
-    let grid = Grid::centred([4, 3, 2], DVec3::new(0.5, 0.5, 2.0)).unwrap();
+    let grid = Grid::centered([4, 3, 2], DVec3::new(0.5, 0.5, 2.0)).unwrap();
     let stored: Vec<u16> = (0..24).map(|i| i * 170).collect();
     Volume::new(
         grid,
@@ -235,7 +235,7 @@ fn what_is_known_of_the_data_is_kept_where_the_format_has_room() {
 
 #[test]
 fn labels_are_kept_by_nrrd_and_marked_by_nifti() {
-    let grid = Grid::centred([2, 1, 1], DVec3::ONE).unwrap();
+    let grid = Grid::centered([2, 1, 1], DVec3::ONE).unwrap();
     let volume = Volume::new(
         grid,
         Samples::U16(vec![3, 300]),
@@ -279,7 +279,7 @@ fn the_size_of_packed_samples_stands_in_an_mha() {
 
 #[test]
 fn an_axis_too_long_for_nifti_1_makes_nifti_2() {
-    let grid = Grid::centred([40_000, 1, 1], DVec3::splat(0.1)).unwrap();
+    let grid = Grid::centered([40_000, 1, 1], DVec3::splat(0.1)).unwrap();
     let samples = Samples::U8((0..40_000).map(|i| i as u8).collect());
     let volume = Volume::new(grid, samples, Rescale::new(0.1, 3.0), Metadata::default()).unwrap();
     let read = write_and_read("v.nii", &volume, &WriteOptions::default()).volume;
@@ -316,7 +316,7 @@ fn components(sample_type: SampleType, count: usize, are_colors: bool) -> Vec<Vo
             components: Components { count, are_colors },
             ..Metadata::default()
         };
-        let grid = Grid::centred([2, 2, 1], DVec3::new(1.0, 2.0, 3.0)).unwrap();
+        let grid = Grid::centered([2, 2, 1], DVec3::new(1.0, 2.0, 3.0)).unwrap();
         Volume::new(grid, samples, Rescale::new(2.0, 1.0), metadata).unwrap()
     };
     (0..count).map(one).collect()

@@ -5,7 +5,7 @@ use glam::DVec3;
 use strahl_volume::read::{LoadedVolume, MemoryFiles, ReadOptions, read_folder};
 use strahl_volume::{Error, Samples};
 
-/// A grey PNG.
+/// A gray PNG.
 fn encode(
     width: u32,
     height: u32,
@@ -28,7 +28,7 @@ fn encode(
     file
 }
 
-/// A grey PNG of 8 bits.
+/// A gray PNG of 8 bits.
 pub(crate) fn png(width: u32, height: u32, data: &[u8]) -> Vec<u8> {
     encode(
         width,
@@ -193,7 +193,7 @@ fn mixed_names_are_asked_about() {
 }
 
 #[test]
-fn colours_become_luminance_and_components_can_be_picked() {
+fn colors_become_luminance_and_components_can_be_picked() {
     use png::ColorType::{GrayscaleAlpha, Indexed, Rgb, Rgba};
     let pick = |file: &[u8], component| {
         let options = ReadOptions {

@@ -274,7 +274,7 @@ fn strips_tiles_and_compressions_say_the_same() {
 #[test]
 fn the_floating_point_predictor_is_undone() {
     let numbers = [1.5f32, -2.25, 1e-30, f32::MAX];
-    // The bytes of a row, highest first, then the differences of neighbours.
+    // The bytes of a row, highest first, then the differences of neighbors.
     let mut planes: Vec<u8> = (0..4)
         .flat_map(|k| numbers.map(|n| n.to_be_bytes()[k]))
         .collect();
@@ -382,7 +382,7 @@ fn what_the_user_should_know_is_noted() {
     };
     let white = u8_pages(1).remove(0).set(262, SHORT, &[0]);
     assert!(notes(vec![white]).1.contains("0 as white"));
-    // A thumbnail of another size, in colour.
+    // A thumbnail of another size, in color.
     let mut pages = u8_pages(2);
     let thumbnail = Page::new(1, 1, 8, 1, &[1, 2, 3])
         .set(254, LONG, &[1])
@@ -797,7 +797,7 @@ fn half_floats_and_64_bit_numbers_are_read() {
 }
 
 #[test]
-fn colours_become_luminance_and_components_can_be_picked() {
+fn colors_become_luminance_and_components_can_be_picked() {
     let pick = |page: &Page, component| {
         let options = ReadOptions {
             component,
@@ -830,7 +830,7 @@ fn colours_become_luminance_and_components_can_be_picked() {
     tiles.tiled = true;
     tiles.chunks = vec![deflate(&differences)];
     assert_eq!(pick(&tiles, Some(1)).unwrap(), [0.0, 255.0, 20.0]);
-    // Grey with opacity, and numbers that nobody names.
+    // Gray with opacity, and numbers that nobody names.
     let two = Page::new(3, 1, 8, 1, &[1, 255, 2, 255, 3, 0]).set(277, SHORT, &[2]);
     let grey = two.clone().set(338, SHORT, &[2]);
     assert_eq!(pick(&grey, None).unwrap(), [1.0, 2.0, 3.0]);
@@ -861,7 +861,7 @@ fn indices_stand_for_the_colors_of_their_palette() {
         component: Some(2),
         ..ReadOptions::default()
     };
-    // What Pillow gives in mode L (BT.601) differs; these are the greys of BT.709.
+    // What Pillow gives in mode L (BT.601) differs; these are the grays of BT.709.
     let luminance = [0.0, 54.0, 182.0, 19.0];
     for palette in [wide, reds_greens_blues] {
         assert_eq!(values(vec![indices(&palette)], &plain).unwrap(), luminance);
@@ -878,7 +878,7 @@ fn indices_stand_for_the_colors_of_their_palette() {
             .to_string()
             .contains("page 2 has another palette")
     );
-    // A palette of greys: one number per voxel.
+    // A palette of grays: one number per voxel.
     let grey = [65535, 30000, 256, 0].repeat(3);
     assert_eq!(
         values(vec![indices(&grey)], &plain).unwrap(),

@@ -1,7 +1,7 @@
 //! Pre-integration: what a transfer function shows along a line of values (K. Engel, M. Kraus, T. Ertl 2001).
 //!
 //! Between two values a and b that follow one another on a ray, the depth of the segment is the mean of τ = −ln(1 − a)
-//! over the values between, and its colour is what comes out in front of it, each part weakened by those before it.
+//! over the values between, and its color is what comes out in front of it, each part weakened by those before it.
 //! A table holds both for all pairs of some values of the transfer function's domain, so that it does not depend on
 //! the data.
 
@@ -18,7 +18,7 @@ use strahl_volume::{Cancelled, Key, cores};
 
 /// The table: 4 MiB at the most.
 pub struct Integrals {
-    /// Row a, column b: opacity of the reference length, and the colour of a step times that.
+    /// Row a, column b: opacity of the reference length, and the color of a step times that.
     pairs: Vec<[f32; 4]>,
     /// Values along an edge.
     nodes: usize,
@@ -42,15 +42,15 @@ const LARGEST_DEPTH: f64 = 18.5;
 struct Cell {
     /// The mean of τ per reference length.
     depth: f64,
-    /// The mean colour, weighted by τ.
-    colour: [f64; 3],
+    /// The mean color, weighted by τ.
+    color: [f64; 3],
 }
 
 /// What is seen of some cells in a row, front to back.
 #[derive(Clone, Copy)]
 struct Seen {
     /// Premultiplied.
-    colour: [f64; 3],
+    color: [f64; 3],
     opacity: f64,
 }
 
@@ -58,7 +58,7 @@ impl Seen {
     fn before(self, behind: Seen) -> Seen {
         let passes = 1.0 - self.opacity;
         Seen {
-            colour: std::array::from_fn(|c| self.colour[c] + passes * behind.colour[c]),
+            color: std::array::from_fn(|c| self.color[c] + passes * behind.color[c]),
             opacity: self.opacity + passes * behind.opacity,
         }
     }
@@ -96,7 +96,7 @@ fn cells(table: &TransferTable, nodes: usize) -> Vec<Cell> {
             i as f64 * entries_per_cell,
             (i + 1) as f64 * entries_per_cell,
         );
-        let (mut depths, mut colours) = (0.0, [0.0; 3]);
+        let (mut depths, mut colors) = (0.0, [0.0; 3]);
         // From entry to entry: on a line in between.
         let mut from = begin;
         while from < end {
@@ -107,9 +107,9 @@ fn cells(table: &TransferTable, nodes: usize) -> Vec<Cell> {
             let weights = [a, 4.0 * b, c];
             let sum: f64 = weights.iter().sum();
             if sum > 0.0 {
-                for (channel, colour) in colours.iter_mut().enumerate() {
+                for (channel, color) in colors.iter_mut().enumerate() {
                     for (weight, look) in weights.iter().zip(ends) {
-                        *colour += mean * weight / sum * look[channel];
+                        *color += mean * weight / sum * look[channel];
                     }
                 }
                 depths += mean;
@@ -119,7 +119,7 @@ fn cells(table: &TransferTable, nodes: usize) -> Vec<Cell> {
         let divisor = if depths > 0.0 { depths } else { 1.0 };
         Cell {
             depth: depths / (end - begin),
-            colour: colours.map(|colour| colour / divisor),
+            color: colors.map(|color| color / divisor),
         }
     };
     cores::map(nodes - 1, cell)
@@ -167,7 +167,7 @@ impl Integrals {
                 let seen = |cell: &Cell| {
                     let opacity = -(-cell.depth * length).exp_m1();
                     Seen {
-                        colour: cell.colour.map(|c| c * opacity),
+                        color: cell.color.map(|c| c * opacity),
                         opacity,
                     }
                 };
@@ -197,7 +197,7 @@ impl Integrals {
             if seen.opacity <= 0.0 {
                 return [0.0; 4];
             }
-            let [r, g, b] = seen.colour.map(|c| (c / seen.opacity * opacity) as f32);
+            let [r, g, b] = seen.color.map(|c| (c / seen.opacity * opacity) as f32);
             [r, g, b, opacity as f32]
         };
         let [lo, hi] = table.domain();
@@ -238,7 +238,7 @@ impl Integrals {
         let length = (b - a).abs();
         let is_close = length.le(F32s::splat(self.closest));
         let mut surface = Surface {
-            colour: [zero; 3],
+            color: [zero; 3],
             opacity: zero,
         };
         if (asked & is_close).any() {
@@ -276,7 +276,7 @@ impl Integrals {
             apart = in_a_row([beyond(!rises), apart, beyond(rises)], of_length);
         }
         Surface {
-            colour: is_close.select3(surface.colour, apart.colour),
+            color: is_close.select3(surface.color, apart.color),
             opacity: is_close.select(surface.opacity, apart.opacity),
         }
     }
@@ -312,7 +312,7 @@ impl Integrals {
         let shows = F32s::zero().lt(opacity);
         let divisor = shows.select(opacity, F32s::splat(1.0));
         Surface {
-            colour: each!([0, 1, 2], |c| channel(c).over(divisor)),
+            color: each!([0, 1, 2], |c| channel(c).over(divisor)),
             opacity: opacity.max(F32s::zero()).min(F32s::splat(1.0)),
         }
     }
@@ -333,12 +333,12 @@ fn in_a_row<S: Level>(
     of_length: impl Fn(F32s<S>) -> F32s<S>,
 ) -> Surface<S> {
     let (zero, one) = (F32s::zero(), F32s::splat(1.0));
-    let (mut colour, mut seen) = ([zero; 3], zero);
+    let (mut color, mut seen) = ([zero; 3], zero);
     let mut opacity = zero;
     for surface in surfaces {
         let share = (one - seen) * of_length(surface.opacity);
         let shows = zero.lt(share);
-        for (sum, channel) in colour.iter_mut().zip(surface.colour) {
+        for (sum, channel) in color.iter_mut().zip(surface.color) {
             *sum += shows.select(share * channel, zero);
         }
         seen += share;
@@ -346,7 +346,7 @@ fn in_a_row<S: Level>(
     }
     let divisor = zero.lt(seen).select(seen, one);
     Surface {
-        colour: each!(colour, |c| c.over(divisor)),
+        color: each!(color, |c| c.over(divisor)),
         opacity,
     }
 }
@@ -395,7 +395,7 @@ mod tests {
     use crate::levels::Portable;
     use proptest::prelude::*;
 
-    /// What the rule gives: colour and opacity of the reference length.
+    /// What the rule gives: color and opacity of the reference length.
     fn found(table: &TransferTable, steps_per_reference: f64, ends: [f32; 2]) -> [f32; 4] {
         let integrals = Integrals::new(table, steps_per_reference);
         let all = F32s::<Portable>::zero().le(F32s::zero());
@@ -403,7 +403,7 @@ mod tests {
             |opacity| opacity_of_lengths(opacity, F32s::splat(steps_per_reference as f32));
         let ends = ends.map(F32s::<Portable>::splat);
         let surface = integrals.between(&Table::new(table), ends, of_length, all);
-        let [r, g, b] = surface.colour.map(|c| c.lane(LANES - 1));
+        let [r, g, b] = surface.color.map(|c| c.lane(LANES - 1));
         [r, g, b, surface.opacity.lane(LANES - 1)]
     }
 
@@ -453,8 +453,8 @@ mod tests {
                     let error = (found[c] - truth[c]).abs();
                     prop_assert!(error < 6e-3, "{found:?} instead of {truth:?}");
                 } else {
-                    // Where only a share of the segment lies in the domain, its colour is that of a whole one, which
-                    // may be any mean of the colours between both ends.
+                    // Where only a share of the segment lies in the domain, its color is that of a whole one, which
+                    // may be any mean of the colors between both ends.
                     prop_assert!((-1e-6..=found[3] + 1e-6).contains(&found[c]), "{found:?}");
                 }
             }

@@ -3,7 +3,7 @@ use super::surface::Surface;
 use crate::lanes::{F32s, I32s, each};
 use crate::levels::Level;
 
-/// The eight voxels around are classified, and the premultiplied colours interpolated: what programs
+/// The eight voxels around are classified, and the premultiplied colors interpolated: what programs
 /// did that classify first, for comparison.
 #[inline(always)]
 pub fn surface<S: Level>(sample: &Sample<S>) -> Surface<S> {
@@ -13,7 +13,7 @@ pub fn surface<S: Level>(sample: &Sample<S>) -> Surface<S> {
     let cell = shape.cell(clamped);
     let part = each!([0, 1, 2], |axis| clamped[axis] - cell[axis].to_f32s());
     let one = F32s::splat(1.0);
-    let (mut colour, mut opacity) = ([F32s::zero(); 3], F32s::zero());
+    let (mut color, mut opacity) = ([F32s::zero(); 3], F32s::zero());
     for corner in 0..8 {
         let upper = |axis: usize| corner >> axis & 1;
         let voxel = each!([0, 1, 2], |axis| cell[axis] + I32s::splat(upper(axis)));
@@ -22,14 +22,14 @@ pub fn surface<S: Level>(sample: &Sample<S>) -> Surface<S> {
         for (axis, &part) in part.iter().enumerate() {
             weight = weight * if upper(axis) == 1 { part } else { one - part };
         }
-        for (sum, c) in colour.iter_mut().zip(surface.colour) {
+        for (sum, c) in color.iter_mut().zip(surface.color) {
             *sum += c * weight;
         }
         opacity += weight;
     }
     let divisor = F32s::zero().lt(opacity).select(opacity, one);
     Surface {
-        colour: each!(colour, |c| c.over(divisor)),
+        color: each!(color, |c| c.over(divisor)),
         opacity,
     }
 }

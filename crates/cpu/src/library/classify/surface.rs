@@ -5,7 +5,7 @@ use crate::levels::Level;
 #[derive(Clone, Copy)]
 pub struct Surface<S: Level> {
     /// Not premultiplied.
-    pub colour: Vec3s<S>,
+    pub color: Vec3s<S>,
     /// Per reference length.
     pub opacity: F32s<S>,
 }

@@ -2,7 +2,7 @@ use super::sample::Sample;
 use super::surface::Surface;
 use crate::levels::Level;
 
-/// Colour and opacity by the table.
+/// Color and opacity by the table.
 #[inline(always)]
 pub fn surface<S: Level>(sample: &Sample<S>) -> Surface<S> {
     sample.table.at(sample.value)

@@ -75,7 +75,7 @@ impl Tables {
         ((first + index).to_i32s(), position - index)
     }
 
-    /// Colour and opacity of each `value` by the function with its number `of`; transparent black where it is NaN.
+    /// Color and opacity of each `value` by the function with its number `of`; transparent black where it is NaN.
     #[inline(always)]
     pub fn at<S: Level>(&self, value: F32s<S>, of: F32s<S>) -> Surface<S> {
         let (index, part) = self.place(value, of);
@@ -88,7 +88,7 @@ impl Tables {
             |c: usize| is_number.select(below[c].lerp(above[c], part), F32s::zero()),
         );
         Surface {
-            colour: [channel(0), channel(1), channel(2)],
+            color: [channel(0), channel(1), channel(2)],
             opacity: channel(3),
         }
     }
@@ -203,7 +203,7 @@ mod tests {
                         let of = F32s::splat(1.0 + i as f32);
                         let found = all.at(value, of);
                         for c in 0..3 {
-                            prop_assert_eq!(found.colour[c].lane(5), alone.colour[c].lane(5));
+                            prop_assert_eq!(found.color[c].lane(5), alone.color[c].lane(5));
                         }
                         prop_assert_eq!(found.opacity.lane(5), alone.opacity.lane(5));
                         prop_assert_eq!(all.opacity_at(value, of).lane(5), alone.opacity.lane(5));

@@ -47,7 +47,7 @@ impl<'p> Table<'p> {
         (index, position - index.to_f32s())
     }
 
-    /// Colour and opacity of `value`; transparent black where it is NaN.
+    /// Color and opacity of `value`; transparent black where it is NaN.
     #[inline(always)]
     pub fn at<S: Level>(&self, value: F32s<S>) -> Surface<S> {
         let (index, part) = self.place(value);
@@ -63,7 +63,7 @@ impl<'p> Table<'p> {
             },
         );
         Surface {
-            colour: [channel(0), channel(1), channel(2)],
+            color: [channel(0), channel(1), channel(2)],
             opacity: channel(3),
         }
     }
@@ -77,7 +77,7 @@ impl<'p> Table<'p> {
         )
     }
 
-    /// Colour and opacity of a value and the gradient magnitude that has the `share` of the last row's, where `asked`; nothing
+    /// Color and opacity of a value and the gradient magnitude that has the `share` of the last row's, where `asked`; nothing
     /// elsewhere. Entries count by their opacity.
     #[inline(never)]
     pub fn at_2d<S: Level>(&self, value: F32s<S>, share: F32s<S>, asked: Mask<S>) -> Surface<S> {
@@ -110,7 +110,7 @@ impl<'p> Table<'p> {
         }
         let [r, g, b, a] = found.map(F32s::from_array);
         Surface {
-            colour: [r, g, b],
+            color: [r, g, b],
             opacity: a,
         }
     }
@@ -149,7 +149,7 @@ mod tests {
             let table = TransferTable::new([lo, lo + width], 1.0, entries);
             for value in [lo + width * share, f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
                 let got = Table::new(&table).at(F32s::<Portable>::splat(value));
-                let got = [got.colour[0], got.colour[1], got.colour[2], got.opacity].map(|c| c.lane(LANES - 1));
+                let got = [got.color[0], got.color[1], got.color[2], got.opacity].map(|c| c.lane(LANES - 1));
                 prop_assert_eq!(got, table.at(value));
                 let opacity = Table::new(&table).opacity_at(F32s::<Portable>::splat(value));
                 prop_assert_eq!(opacity.lane(LANES - 1), got[3]);

@@ -37,7 +37,7 @@ mod tests {
 
     #[test]
     fn rays_that_hardly_move_along_an_axis_are_parallel_to_it() {
-        let grid = Grid::centred([4, 4, 4], DVec3::ONE).unwrap();
+        let grid = Grid::centered([4, 4, 4], DVec3::ONE).unwrap();
         let all = [F64s::<Portable>::splat(0.0), F64s::splat(f64::INFINITY)];
         for across in [0.0, 1e-310, -1e-310, 1e-290] {
             let met = |y: f64| {

@@ -7,7 +7,7 @@ use crate::library::reconstruct::Values;
 #[inline(always)]
 pub fn above<S: Level>(mask: &dyn Values<S>, unit: Vec3s<S>, threshold: f32) -> Mask<S> {
     let last = mask.shape().last;
-    // The cube is the extent, which reaches half a voxel beyond the voxel centres.
+    // The cube is the extent, which reaches half a voxel beyond the voxel centers.
     let position = each!([0, 1, 2], |axis| {
         (unit[axis] + F32s::splat(0.5)) * F32s::splat(last[axis] + 1.0) - F32s::splat(0.5)
     });

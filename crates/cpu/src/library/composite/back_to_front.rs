@@ -20,7 +20,7 @@ impl Rule for BackToFront {
         add(
             state,
             look.visible,
-            look.surface.colour,
+            look.surface.color,
             look.surface.opacity,
         );
         look.visible
@@ -29,10 +29,10 @@ impl Rule for BackToFront {
 
 /// Adds a sample that lies in front of all before it: C = (1−a)·C + a·c, A likewise.
 #[inline(always)]
-pub fn add<S: Level>(state: &mut State<S>, visible: Mask<S>, colour: Vec3s<S>, opacity: F32s<S>) {
+pub fn add<S: Level>(state: &mut State<S>, visible: Mask<S>, color: Vec3s<S>, opacity: F32s<S>) {
     let opacity = visible.select(opacity, F32s::zero());
     let behind = F32s::splat(1.0) - opacity;
-    for (sum, channel) in state.colour.iter_mut().zip(colour) {
+    for (sum, channel) in state.color.iter_mut().zip(color) {
         *sum = *sum * behind + visible.select(opacity * channel, F32s::zero());
     }
     state.alpha = state.alpha * behind + opacity;

@@ -38,7 +38,7 @@ impl ContextPreserving {
         powers_of_share(steepness, power(cut, self.cut_sharpness))
     }
 
-    /// Colour and opacity of one step of the samples `visible`, where those are classified as `surface`.
+    /// Color and opacity of one step of the samples `visible`, where those are classified as `surface`.
     #[inline(never)]
     fn look<S: Level>(
         &self,
@@ -54,13 +54,13 @@ impl ContextPreserving {
                 let (zero, one) = (F32s::zero(), F32s::splat(1.0));
                 let crossing = &sample.crossing;
                 let mut lit = Surface {
-                    colour: [one; 3],
+                    color: [one; 3],
                     opacity: surface.opacity,
                 };
                 if !crossing.object.shading.is_unlit() {
                     lit = crossing.shade(lit, sample.position, visible, last_normal);
                 }
-                let [r, g, b] = each!([0, 1, 2], |c| lit.colour[c] * F32s::splat(LUMINANCE[c]));
+                let [r, g, b] = each!([0, 1, 2], |c| lit.color[c] * F32s::splat(LUMINANCE[c]));
                 let light = (r + g + b).max(zero);
                 let steepness =
                     length(sample.gradient(visible)).over(F32s::splat(self.full_per_mm));
@@ -73,7 +73,7 @@ impl ContextPreserving {
                     passing,
                 );
                 Surface {
-                    colour: each!([0, 1, 2], |c| surface.colour[c] * lit.colour[c]),
+                    color: each!([0, 1, 2], |c| surface.color[c] * lit.color[c]),
                     opacity: crossing.object.of_step(lit.opacity * kept),
                 }
             },
@@ -81,7 +81,7 @@ impl ContextPreserving {
     }
 }
 
-/// Of a [`State`] it uses `colour` and `alpha`, and `value`, the opacity of what lies before the run.
+/// Of a [`State`] it uses `color` and `alpha`, and `value`, the opacity of what lies before the run.
 impl Rule for ContextPreserving {
     #[inline(always)]
     fn is_covered_by_ray(&self) -> bool {
@@ -105,10 +105,10 @@ impl Rule for ContextPreserving {
             let mut normal = state.last_normal;
             let one = F32s::splat(1.0);
             let passing = (one - state.alpha) * (one - state.value);
-            let Surface { colour, opacity } =
+            let Surface { color, opacity } =
                 self.look(sample, surface, visible, passing, &mut normal);
             state.last_normal = normal;
-            emission_absorption::add(state, visible, colour, opacity);
+            emission_absorption::add(state, visible, color, opacity);
         }
         visible
     }

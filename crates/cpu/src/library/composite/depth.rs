@@ -1,4 +1,4 @@
-//! A debug view: how far from the start of the ray the first sample that is not transparent lies, as grey.
+//! A debug view: how far from the start of the ray the first sample that is not transparent lies, as gray.
 
 use super::grey::grey;
 use super::rule::{Rule, Sample};
@@ -6,7 +6,7 @@ use super::state::State;
 use crate::lanes::{F32s, Mask};
 use crate::levels::{Level, vectorized};
 
-/// How far from the start of the ray the first sample that is not transparent lies, as grey.
+/// How far from the start of the ray the first sample that is not transparent lies, as gray.
 #[derive(Clone, Copy)]
 pub struct Depth {
     pub near_mm: f32,
@@ -22,8 +22,8 @@ impl Rule for Depth {
                 let shown = sample.shown();
                 if shown.any() {
                     let distance_mm = sample.crossing.distance_mm(sample.place());
-                    let colour = grey(distance_mm, self.near_mm, self.far_mm);
-                    state.paint(shown, colour);
+                    let color = grey(distance_mm, self.near_mm, self.far_mm);
+                    state.paint(shown, color);
                 }
                 shown
             },

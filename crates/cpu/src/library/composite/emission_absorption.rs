@@ -21,9 +21,9 @@ impl Rule for EmissionAbsorption {
     #[inline(always)]
     fn add<S: Level>(&self, state: &mut State<S>, sample: &Sample<S>) -> Mask<S> {
         let look = sample.look(&mut state.last_normal);
-        let Surface { colour, opacity } = look.surface;
+        let Surface { color, opacity } = look.surface;
         let opacity = sample.crossing.object.of_stride(opacity, sample.stride);
-        add(state, look.visible, colour, opacity);
+        add(state, look.visible, color, opacity);
         look.visible
     }
 
@@ -35,11 +35,11 @@ impl Rule for EmissionAbsorption {
 
 /// Adds what the eye sees of a sample: C += (1−A)·a·c, A += (1−A)·a.
 #[inline(always)]
-pub fn add<S: Level>(state: &mut State<S>, visible: Mask<S>, colour: Vec3s<S>, opacity: F32s<S>) {
+pub fn add<S: Level>(state: &mut State<S>, visible: Mask<S>, color: Vec3s<S>, opacity: F32s<S>) {
     let share = (F32s::splat(1.0) - state.alpha) * opacity;
     let share = visible.select(share, F32s::zero());
-    for (sum, channel) in state.colour.iter_mut().zip(colour) {
-        // Selected once more: a colour may be infinite, and 0·∞ is NaN.
+    for (sum, channel) in state.color.iter_mut().zip(color) {
+        // Selected once more: a color may be infinite, and 0·∞ is NaN.
         *sum += visible.select(share * channel, F32s::zero());
     }
     state.alpha += share;

@@ -1,11 +1,11 @@
-//! A debug view: where in the volume the last sample lies, as a colour.
+//! A debug view: where in the volume the last sample lies, as a color.
 
 use super::rule::{Rule, Sample};
 use super::state::State;
 use crate::lanes::Mask;
 use crate::levels::{Level, vectorized};
 
-/// Where in the volume the last sample lies, as a colour.
+/// Where in the volume the last sample lies, as a color.
 #[derive(Clone, Copy)]
 pub struct Exit;
 
@@ -15,7 +15,7 @@ impl Rule for Exit {
         vectorized::<S, _>(
             #[inline(always)]
             || {
-                state.paint(sample.sampled, sample.position_colour());
+                state.paint(sample.sampled, sample.position_color());
                 sample.sampled
             },
         )

@@ -67,10 +67,10 @@ impl FirstHit {
         let place = at_entry.select(F32s::zero(), refined);
         let position = line.position(place);
         let surface = object.classify(object.values.at(position), position, hit);
-        let colour = rays
+        let color = rays
             .shade(surface, position, hit, &mut state.last_normal)
-            .colour;
-        state.paint(hit, colour);
+            .color;
+        state.paint(hit, color);
         state.place = hit.select(place, state.place);
     }
 }

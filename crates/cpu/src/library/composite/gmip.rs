@@ -6,7 +6,7 @@ use super::state::State;
 use crate::lanes::{F32s, Mask, length};
 use crate::levels::Level;
 
-/// The largest gradient magnitude as grey.
+/// The largest gradient magnitude as gray.
 #[derive(Clone, Copy)]
 pub struct Gmip {
     pub white_per_mm: f32,

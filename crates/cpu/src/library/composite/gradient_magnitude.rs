@@ -1,4 +1,4 @@
-//! A debug view: how steep the first sample that is not transparent is, as grey.
+//! A debug view: how steep the first sample that is not transparent is, as gray.
 
 use super::grey::grey;
 use super::rule::{Rule, Sample};
@@ -6,7 +6,7 @@ use super::state::State;
 use crate::lanes::{F32s, Mask, length};
 use crate::levels::{Level, vectorized};
 
-/// How steep the first sample that is not transparent is, as grey.
+/// How steep the first sample that is not transparent is, as gray.
 #[derive(Clone, Copy)]
 pub struct GradientMagnitude {
     pub white_per_mm: f32,
@@ -20,8 +20,8 @@ impl Rule for GradientMagnitude {
             || {
                 let shown = sample.shown();
                 if shown.any() {
-                    let colour = grey(length(sample.gradient(shown)), 0.0, self.white_per_mm);
-                    state.paint(shown, colour);
+                    let color = grey(length(sample.gradient(shown)), 0.0, self.white_per_mm);
+                    state.paint(shown, color);
                 }
                 shown
             },

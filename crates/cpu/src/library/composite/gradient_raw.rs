@@ -1,12 +1,12 @@
-//! A debug view: the gradient of the first sample that is not transparent, as a colour.
+//! A debug view: the gradient of the first sample that is not transparent, as a color.
 
 use super::rule::{Rule, Sample};
 use super::state::State;
-use super::vector_colour::vector_colour;
+use super::vector_color::vector_color;
 use crate::lanes::{F32s, Mask};
 use crate::levels::{Level, vectorized};
 
-/// The gradient of the first sample that is not transparent, as a colour.
+/// The gradient of the first sample that is not transparent, as a color.
 #[derive(Clone, Copy)]
 pub struct GradientRaw;
 
@@ -18,8 +18,8 @@ impl Rule for GradientRaw {
             || {
                 let shown = sample.shown();
                 if shown.any() {
-                    let colour = vector_colour(sample.gradient(shown));
-                    state.paint(shown, colour);
+                    let color = vector_color(sample.gradient(shown));
+                    state.paint(shown, color);
                 }
                 shown
             },

@@ -8,7 +8,7 @@ use crate::lanes::{F32s, Mask, Vec3s, dot, each, length, scale, unit};
 use crate::levels::{Level, inlined, vectorized};
 use crate::library::classify::Surface;
 
-/// By a measure of importance. Of a [`State`] it uses `colour` and `alpha`, and `value`, the importance so far.
+/// By a measure of importance. Of a [`State`] it uses `color` and `alpha`, and `value`, the importance so far.
 #[derive(Clone, Copy)]
 pub struct ImportanceAware {
     pub measure: u32,
@@ -88,16 +88,16 @@ impl ImportanceAware {
 /// What is seen so far, and how important it is.
 pub struct Accumulated<S: Level> {
     /// Premultiplied.
-    pub colour: Vec3s<S>,
+    pub color: Vec3s<S>,
     pub alpha: F32s<S>,
     pub importance: F32s<S>,
 }
 
 impl<S: Level> Accumulated<S> {
-    /// Adds samples of this colour, premultiplied, opacity, above 0, and importance where `visible`: section 4 of the
+    /// Adds samples of this color, premultiplied, opacity, above 0, and importance where `visible`: section 4 of the
     /// paper.
     #[inline(always)]
-    pub fn add(&mut self, visible: Mask<S>, colour: Vec3s<S>, opacity: F32s<S>, own: F32s<S>) {
+    pub fn add(&mut self, visible: Mask<S>, color: Vec3s<S>, opacity: F32s<S>, own: F32s<S>) {
         let (zero, one) = (F32s::zero(), F32s::splat(1.0));
         let rise = own - self.importance;
         let is_more = visible & zero.lt(rise);
@@ -111,10 +111,10 @@ impl<S: Level> Accumulated<S> {
         let ratio = alpha.over(visible.select(modulated, one));
         let behind = one - kept * self.alpha;
         let mixed = each!([0, 1, 2], |c| {
-            (kept * self.colour[c] + behind * colour[c]) * ratio
+            (kept * self.color[c] + behind * color[c]) * ratio
         });
         let accumulated = own + ln_of_share(opacity + passing * rest);
-        self.colour = visible.select3(mixed, self.colour);
+        self.color = visible.select3(mixed, self.color);
         self.alpha = visible.select(alpha, self.alpha);
         self.importance = is_more.select(self.importance.max(accumulated), self.importance);
     }
@@ -128,16 +128,16 @@ impl Rule for ImportanceAware {
         state.last_normal = normal;
         if look.visible.any() {
             let own = self.importance(sample, look.visible) * F32s::splat(self.gain);
-            let Surface { colour, opacity } = look.surface;
+            let Surface { color, opacity } = look.surface;
             let mut seen = Accumulated {
-                colour: state.colour,
+                color: state.color,
                 alpha: state.alpha,
                 importance: state.value,
             };
             // Shading may have left nothing of it.
             let adding = look.visible & F32s::zero().lt(opacity);
-            seen.add(adding, scale(colour, opacity), opacity, own);
-            (state.colour, state.alpha, state.value) = (seen.colour, seen.alpha, seen.importance);
+            seen.add(adding, scale(color, opacity), opacity, own);
+            (state.color, state.alpha, state.value) = (seen.color, seen.alpha, seen.importance);
         }
         look.visible
     }
@@ -159,7 +159,7 @@ mod tests {
 
     fn white(alpha: f32, importance: f32) -> Accumulated<Portable> {
         Accumulated {
-            colour: [F32s::splat(alpha); 3],
+            color: [F32s::splat(alpha); 3],
             alpha: F32s::splat(alpha),
             importance: F32s::splat(importance),
         }
@@ -183,7 +183,7 @@ mod tests {
         near(seen.alpha, 0.95);
         near(seen.importance, 0.620_115);
         // White before black: what is left of it is m · A · A_new / A', with m 0.408755 and A' 0.683940.
-        near(seen.colour[0], 0.408_755 * 0.9 * 0.95 / 0.683_940);
+        near(seen.color[0], 0.408_755 * 0.9 * 0.95 / 0.683_940);
     }
 
     #[test]
@@ -200,7 +200,7 @@ mod tests {
             near(seen.alpha, 1.0 - passing);
             assert!(seen.importance.lane(0) >= before);
             before = seen.importance.lane(0);
-            assert!((-1e-6..=1.0 + 1e-5).contains(&seen.colour[0].lane(0)));
+            assert!((-1e-6..=1.0 + 1e-5).contains(&seen.color[0].lane(0)));
         }
         assert!(before > 2.0);
     }
@@ -209,7 +209,7 @@ mod tests {
     fn equal_importance_is_emission_and_absorption() {
         let mut seen = white(0.6, 2.0);
         add(&mut seen, 0.5, 2.0);
-        near(seen.colour[0], 0.6);
+        near(seen.color[0], 0.6);
         near(seen.importance, 2.0);
         add(&mut seen, 1.0, 1.0);
         near(seen.importance, 2.0);
@@ -219,7 +219,7 @@ mod tests {
         // Of opaque samples C = m·C + (1 − m·A)·C_s: here of white, with m = e^−1 and A = 1, before black.
         let mut seen = white(1.0, 0.0);
         add(&mut seen, 1.0, 1.0);
-        near(seen.colour[0], (-1.0f64).exp());
+        near(seen.color[0], (-1.0f64).exp());
         near(seen.alpha, 1.0);
         near(seen.importance, 1.0);
     }

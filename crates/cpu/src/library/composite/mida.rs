@@ -28,7 +28,7 @@ impl Mida {
         let rise = (share - state.value).max(F32s::zero());
         let kept = F32s::splat(1.0) - rise * F32s::splat(1.0 + self.blend.min(0.0));
         let kept = sampled.select(kept, F32s::splat(1.0));
-        state.colour = each!(state.colour, |c| c * kept);
+        state.color = each!(state.color, |c| c * kept);
         state.alpha = state.alpha * kept;
         if self.blend > 0.0 {
             let rises = sampled & state.value.lt(share);
@@ -45,7 +45,7 @@ impl Rule for Mida {
         self.fade(state, sample);
         let look = sample.look(&mut state.last_normal);
         let surface = look.surface;
-        emission_absorption::add(state, look.visible, surface.colour, surface.opacity);
+        emission_absorption::add(state, look.visible, surface.color, surface.opacity);
         look.visible
     }
 
@@ -72,7 +72,7 @@ impl Rule for Mida {
         let mut maximum = *state;
         rays.classify_once(&mut maximum, state.number, F32s::zero().lt(state.value));
         let [summed, largest] = [1.0 - self.blend, self.blend].map(F32s::splat);
-        for (color, of_maximum) in state.colour.iter_mut().zip(maximum.colour) {
+        for (color, of_maximum) in state.color.iter_mut().zip(maximum.color) {
             *color = *color * summed + of_maximum * largest;
         }
         state.alpha = state.alpha * summed + maximum.alpha * largest;

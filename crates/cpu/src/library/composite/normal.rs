@@ -1,12 +1,12 @@
-//! A debug view: the normal of the first sample that is not transparent, as a colour.
+//! A debug view: the normal of the first sample that is not transparent, as a color.
 
 use super::rule::{Rule, Sample};
 use super::state::State;
-use super::vector_colour::vector_colour;
+use super::vector_color::vector_color;
 use crate::lanes::{F32s, Mask, unit};
 use crate::levels::{Level, vectorized};
 
-/// The normal of the first sample that is not transparent, as a colour.
+/// The normal of the first sample that is not transparent, as a color.
 #[derive(Clone, Copy)]
 pub struct Normal;
 
@@ -19,8 +19,8 @@ impl Rule for Normal {
                 let shown = sample.shown();
                 if shown.any() {
                     let (normal, _) = unit(sample.gradient(shown));
-                    let colour = vector_colour(normal);
-                    state.paint(shown, colour);
+                    let color = vector_color(normal);
+                    state.paint(shown, color);
                 }
                 shown
             },

@@ -8,7 +8,7 @@ use crate::lanes::{F32s, Mask};
 use crate::levels::Level;
 use crate::library::classify::Surface;
 
-/// Of a [`State`] it uses `colour` and `alpha` of the layer that the ray is in, `number`, which layer that is, `place`, the
+/// Of a [`State`] it uses `color` and `alpha` of the layer that the ray is in, `number`, which layer that is, `place`, the
 /// lattice point of the last sample, and `value`, above 0 where the layer that is shown has ended.
 #[derive(Clone, Copy)]
 pub struct OpacityPeeling {
@@ -30,7 +30,7 @@ impl Rule for OpacityPeeling {
     #[inline(always)]
     fn add<S: Level>(&self, state: &mut State<S>, sample: &Sample<S>) -> Mask<S> {
         let look = sample.look(&mut state.last_normal);
-        let Surface { colour, opacity } = look.surface;
+        let Surface { color, opacity } = look.surface;
         let opacity = look.visible.select(opacity, F32s::zero());
         let object = sample.crossing.object;
         let clear = object.of_step(F32s::splat(self.clear_below));
@@ -43,10 +43,10 @@ impl Rule for OpacityPeeling {
         state.value = has_ended.select(F32s::splat(1.0), state.value);
         let peeled = ends & !has_ended;
         state.number = peeled.select(state.number + F32s::splat(1.0), state.number);
-        state.colour = peeled.select3([F32s::zero(); 3], state.colour);
+        state.color = peeled.select3([F32s::zero(); 3], state.color);
         state.alpha = peeled.select(F32s::zero(), state.alpha);
         let visible = look.visible & !has_ended;
-        emission_absorption::add(state, visible, colour, opacity);
+        emission_absorption::add(state, visible, color, opacity);
         visible
     }
 
@@ -63,7 +63,7 @@ impl Rule for OpacityPeeling {
     #[inline(always)]
     fn finish<S: Level>(&self, state: &mut State<S>, _rays: &Crossing<S>) {
         let shown = self.in_layer(state);
-        state.colour = shown.select3(state.colour, [F32s::zero(); 3]);
+        state.color = shown.select3(state.color, [F32s::zero(); 3]);
         state.alpha = shown.select(state.alpha, F32s::zero());
     }
 }

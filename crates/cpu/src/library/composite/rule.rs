@@ -52,7 +52,7 @@ pub trait Rule: Copy {
         Mask::none()
     }
 
-    /// Makes the colour and the opacity of what the rays have kept.
+    /// Makes the color and the opacity of what the rays have kept.
     #[inline(always)]
     fn finish<S: Level>(&self, _state: &mut State<S>, _rays: &Crossing<S>) {}
 }
@@ -107,7 +107,7 @@ impl<'s, S: Level> Crossing<'s, S> {
                     surface = self.shade(surface, position, found, &mut state.last_normal);
                 }
                 let alpha = found.select(surface.opacity, F32s::zero());
-                state.colour = scale(surface.colour, alpha);
+                state.color = scale(surface.color, alpha);
                 state.alpha = alpha;
             },
         );
@@ -136,7 +136,7 @@ impl<S: Level> Sample<'_, S> {
         self.k + self.crossing.packet.jitter
     }
 
-    /// Colour, and opacity of one step.
+    /// Color, and opacity of one step.
     #[inline(always)]
     pub fn look(&self, last_normal: &mut Vec3s<S>) -> Look<S> {
         self.crossing.object.look(
@@ -164,9 +164,9 @@ impl<S: Level> Sample<'_, S> {
         self.sampled & F32s::zero().lt(surface.opacity)
     }
 
-    /// The position as a colour: 0 to 1 over the extent along each axis.
+    /// The position as a color: 0 to 1 over the extent along each axis.
     #[inline(always)]
-    pub fn position_colour(&self) -> Vec3s<S> {
+    pub fn position_color(&self) -> Vec3s<S> {
         let last = self.crossing.object.values.shape().last;
         let (half, one) = (F32s::splat(0.5), F32s::splat(1.0));
         each!([0, 1, 2], |axis| {

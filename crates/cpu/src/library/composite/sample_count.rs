@@ -1,4 +1,4 @@
-//! A debug view: how many samples the ray takes, as grey.
+//! A debug view: how many samples the ray takes, as gray.
 
 use super::grey::grey;
 use super::rule::{Crossing, Rule, Sample};
@@ -6,7 +6,7 @@ use super::state::State;
 use crate::lanes::{F32s, Mask};
 use crate::levels::Level;
 
-/// How many samples the ray takes, as grey.
+/// How many samples the ray takes, as gray.
 #[derive(Clone, Copy)]
 pub struct SampleCount {
     pub white: f32,

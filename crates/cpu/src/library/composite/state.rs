@@ -5,7 +5,7 @@ use crate::levels::Level;
 #[derive(Clone, Copy)]
 pub struct State<S: Level> {
     /// Premultiplied.
-    pub colour: Vec3s<S>,
+    pub color: Vec3s<S>,
     /// Opacity so far.
     pub alpha: F32s<S>,
     /// The value so far (largest, smallest, sum).
@@ -25,7 +25,7 @@ impl<S: Level> State<S> {
     #[inline(always)]
     pub fn start(value: f32) -> State<S> {
         State {
-            colour: [F32s::zero(); 3],
+            color: [F32s::zero(); 3],
             alpha: F32s::zero(),
             value: F32s::splat(value),
             place: F32s::zero(),
@@ -39,7 +39,7 @@ impl<S: Level> State<S> {
     #[inline(always)]
     pub fn select(mask: Mask<S>, yes: &State<S>, no: &State<S>) -> State<S> {
         State {
-            colour: mask.select3(yes.colour, no.colour),
+            color: mask.select3(yes.color, no.color),
             alpha: mask.select(yes.alpha, no.alpha),
             value: mask.select(yes.value, no.value),
             place: mask.select(yes.place, no.place),
@@ -57,10 +57,10 @@ impl<S: Level> State<S> {
         self.number = sampled.select(F32s::splat(1.0), self.number);
     }
 
-    /// An opaque colour where `hit`.
+    /// An opaque color where `hit`.
     #[inline(always)]
-    pub fn paint(&mut self, hit: Mask<S>, colour: Vec3s<S>) {
-        self.colour = hit.select3(colour, self.colour);
+    pub fn paint(&mut self, hit: Mask<S>, color: Vec3s<S>) {
+        self.color = hit.select3(color, self.color);
         self.alpha = hit.select(F32s::splat(1.0), self.alpha);
     }
 }

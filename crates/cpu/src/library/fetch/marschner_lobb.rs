@@ -4,7 +4,7 @@ use crate::lanes::{F32s, I32s, each, lanes};
 use crate::levels::Level;
 use std::f32::consts::TAU;
 
-/// The test signal of S. Marschner and R. Lobb (Visualization 1994) with −1 to 1 over the voxel centres
+/// The test signal of S. Marschner and R. Lobb (Visualization 1994) with −1 to 1 over the voxel centers
 /// along each axis:
 /// ((1 − sin(πz/2)) + α·(1 + cos(2π·f·cos(π·√(x² + y²)/2)))) / (2·(1 + α)).
 pub struct MarschnerLobb {

@@ -9,7 +9,7 @@ pub struct Shape {
     pub last: [f32; 3],
     /// Index of the last cell (between two voxels) along each axis; 0 for an axis of one voxel.
     pub last_cell: [i32; 3],
-    /// From a voxel to its neighbour along each axis.
+    /// From a voxel to its neighbor along each axis.
     pub stride: [usize; 3],
     /// The same, but 0 for an axis of one voxel: from the lower to the upper corner of a cell.
     pub across: [usize; 3],
@@ -28,7 +28,7 @@ impl Shape {
         }
     }
 
-    /// A position clamped to the hull of the voxel centres.
+    /// A position clamped to the hull of the voxel centers.
     #[inline(always)]
     pub fn clamp<S: Level>(&self, position: Vec3s<S>) -> Vec3s<S> {
         let clamp = inlined(

@@ -3,7 +3,7 @@ use crate::lanes::{F32s, Vec3s, each};
 use crate::levels::{Level, inlined};
 use crate::library::reconstruct::b_spline_weights;
 
-/// The derivative of the uniform cubic B-spline whose coefficients are the field at voxel centres:
+/// The derivative of the uniform cubic B-spline whose coefficients are the field at voxel centers:
 /// 64 positions.
 #[inline(always)]
 pub fn per_voxel<S: Level>(field: &Field<S>, position: Vec3s<S>) -> Vec3s<S> {

@@ -3,7 +3,7 @@ use crate::levels::{Level, inlined};
 use crate::library::fetch::{Fetch, Shape};
 
 /// A separable cubic kernel over the 4 × 4 × 4 voxels around a position, which is clamped to the hull
-/// of the voxel centres, and so are the voxels.
+/// of the voxel centers, and so are the voxels.
 #[inline(always)]
 pub fn cubic<S: Level, F: Fetch<S>>(
     fetch: &F,

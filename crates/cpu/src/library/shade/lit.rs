@@ -5,11 +5,11 @@ use crate::library::illuminate::illuminate;
 use crate::library::light::Light;
 use strahl_scene::plan::Illuminate;
 
-/// Ambient light, multiplied by the surface colour, and all lights, two-sided: the gradient, turned
+/// Ambient light, multiplied by the surface color, and all lights, two-sided: the gradient, turned
 /// towards the eye, is the normal. Where it is 0 (or not finite) the last normal of the ray counts;
-/// where there is none, the colour stays as it is.
+/// where there is none, the color stays as it is.
 #[inline(always)]
-pub fn colour<S: Level>(
+pub fn color<S: Level>(
     lights: &[Light],
     model: Illuminate,
     ambient: f32,
@@ -30,15 +30,15 @@ pub fn colour<S: Level>(
         splat3([0.0; 3])
     };
 
-    let mut colour = scale(surface, F32s::splat(ambient));
+    let mut color = scale(surface, F32s::splat(ambient));
     for light in lights {
         let (to_light, radiance) = light.at(place_mm, place.to_eye);
         let seen = illuminate(model, surface, normal, place.to_eye, to_light, radiance);
-        for (sum, part) in colour.iter_mut().zip(seen) {
+        for (sum, part) in color.iter_mut().zip(seen) {
             *sum += part;
         }
     }
-    lit.select3(colour, surface)
+    lit.select3(color, surface)
 }
 
 #[cfg(test)]
@@ -69,7 +69,7 @@ mod tests {
         };
         let surface = splat3([0.5, 0.25, 0.0]);
         let all = F32s::zero().le(F32s::zero());
-        colour(&[light], MODEL, 0.25, surface, &place, all, last_normal).map(|c| c.lane(LANES - 1))
+        color(&[light], MODEL, 0.25, surface, &place, all, last_normal).map(|c| c.lane(LANES - 1))
     }
 
     fn shade_first(gradient: [f32; 3], to_light: [f32; 3]) -> [f32; 3] {
@@ -116,7 +116,7 @@ mod tests {
                 let all = F32s::<Portable>::zero().le(F32s::zero());
                 let surface = splat3([0.5, 0.25, 1.0]);
                 let mut last = [F32s::zero(); 3];
-                let lit = colour(&lights, model, 1.0 - p, surface, &place, all, &mut last);
+                let lit = color(&lights, model, 1.0 - p, surface, &place, all, &mut last);
                 let factor = cosine + (1.0 - p - cosine * (1.0 - p));
                 let expected = [0.5, 0.25, 1.0].map(|c| c * factor);
                 close(lit.map(|c| c.lane(0)), expected);

@@ -1,6 +1,6 @@
 //! Skull, mandible, teeth and cervical spine.
 
-use crate::phantom::modelling::*;
+use crate::phantom::modeling::*;
 use crate::phantom::solid::Solid;
 
 /// The skull without mandible and teeth, grown from the vault (the start value). The cranial cavity is cut
@@ -395,13 +395,13 @@ const LOWER: [[f64; 3]; 7] = [
 ];
 
 /// The teeth of one side, set along half an ellipse by their widths.
-fn arch(sizes: &[[f64; 3]; 7], radius_x: f64, radius_y: f64, centre_y: f64) -> Vec<Tooth> {
+fn arch(sizes: &[[f64; 3]; 7], radius_x: f64, radius_y: f64, center_y: f64) -> Vec<Tooth> {
     const FINE: usize = 4000;
     let on_arch = |step: usize| {
         let angle = step as f64 / FINE as f64 * std::f64::consts::FRAC_PI_2;
         (
             radius_x * angle.sin(),
-            centre_y + radius_y * angle.cos(),
+            center_y + radius_y * angle.cos(),
             angle,
         )
     };
@@ -447,26 +447,26 @@ pub fn teeth() -> (Solid, Solid) {
             // Upper front teeth reach 1.5 mm over the lower ones.
             let edge = OCCLUSAL_Z_MM + if front && up > 0.0 { -1.5 } else { 0.3 * up };
             let half = at(t.width * 0.5 - 0.1, t.depth * 0.5, t.height * 0.5);
-            let centre = at(t.x, t.y, edge + up * half.z);
+            let center = at(t.x, t.y, edge + up * half.z);
             if front {
                 // Wedges: a block at the edge, thicker towards the neck.
                 let lip = axes * at(0.0, 1.2, 0.0);
                 crowns.join(
                     Both,
                     0.4,
-                    block_turned(centre + lip, at(half.x, half.y * 0.55, half.z), 1.6, axes),
+                    block_turned(center + lip, at(half.x, half.y * 0.55, half.z), 1.6, axes),
                 );
                 crowns.join(
                     Both,
                     2.0,
                     ellipsoid_turned(
-                        centre + at(0.0, 0.0, up * 2.0),
+                        center + at(0.0, 0.0, up * 2.0),
                         at(half.x * 0.85, half.y, half.z * 0.7),
                         axes,
                     ),
                 );
             } else {
-                crowns.join(Both, 0.4, block_turned(centre, half, 2.4, axes));
+                crowns.join(Both, 0.4, block_turned(center, half, 2.4, axes));
                 // The groove between the cusps.
                 let along = axes * at(half.x + 1.0, 0.0, 0.0);
                 let groove = at(t.x, t.y, edge - up * 0.8);
@@ -494,7 +494,7 @@ pub fn teeth() -> (Solid, Solid) {
     (crowns.build(), roots.build())
 }
 
-/// Centre of the body of vertebra C`n` (1 to 7; 8 and 9 are T1 and T2). The column is curved forwards.
+/// Center of the body of vertebra C`n` (1 to 7; 8 and 9 are T1 and T2). The column is curved forwards.
 pub fn vertebra_at(n: usize) -> glam::DVec3 {
     let z = [
         -34.0, -51.0, -69.0, -86.0, -103.0, -120.0, -138.0, -157.0, -177.0,

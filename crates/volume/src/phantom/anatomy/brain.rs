@@ -1,6 +1,6 @@
 //! What lies in the cranial cavity.
 
-use crate::phantom::modelling::*;
+use crate::phantom::modeling::*;
 use crate::phantom::number::Number;
 use crate::phantom::solid::{Point, Solid};
 

@@ -1,6 +1,6 @@
 //! The cranial cavity and the skin around everything.
 
-use crate::phantom::modelling::*;
+use crate::phantom::modeling::*;
 use crate::phantom::solid::Solid;
 
 /// Inside of the skull, where the brain lies. Skull and scalp are grown around it.

@@ -1,7 +1,7 @@
 //! Muscles, airway, eyes, cartilage, glands.
 
 use super::bones::vertebra_at;
-use crate::phantom::modelling::*;
+use crate::phantom::modeling::*;
 use crate::phantom::solid::Solid;
 
 /// Muscles and other soft tissue of their density.
@@ -247,7 +247,7 @@ pub fn airway() -> Solid {
     m.build()
 }
 
-/// Centre of the right eyeball.
+/// Center of the right eyeball.
 pub const EYE: glam::DVec3 = at(32.0, 74.0, 17.0);
 
 /// Eyeballs.

@@ -1,6 +1,6 @@
 //! Arteries and veins filled with contrast medium, and the aneurysm that marks the left side.
 
-use crate::phantom::modelling::*;
+use crate::phantom::modeling::*;
 use crate::phantom::solid::Solid;
 use glam::DVec3;
 
@@ -155,7 +155,7 @@ pub fn arteries() -> Solid {
     m.build()
 }
 
-/// Centre of the aneurysm at the fork of the left middle cerebral artery.
+/// Center of the aneurysm at the fork of the left middle cerebral artery.
 pub const ANEURYSM: DVec3 = at(-38.0, 29.0, 23.0);
 
 /// The aneurysm, on the left only.
@@ -233,9 +233,9 @@ pub fn veins(on_wall: impl Fn(DVec3, f64) -> DVec3) -> Solid {
 }
 
 /// The ring in the lobe of the left ear.
-pub fn earring(centre: DVec3) -> Solid {
+pub fn earring(center: DVec3) -> Solid {
     let shape = crate::phantom::solid::Shape::Ring {
-        centre,
+        center,
         radius: 6.0,
         thickness: 1.4,
         axes: turned(0.0, 90.0, 45.0),

@@ -80,7 +80,7 @@ impl Color {
 
     /// What a pixel is, once it is decoded.
     pub(super) fn components(self) -> Components {
-        Meaning::Colour.of(match self {
+        Meaning::Color.of(match self {
             Color::Gray | Color::Palette { is_gray: true, .. } => 1,
             _ => 3,
         })

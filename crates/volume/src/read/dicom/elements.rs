@@ -269,7 +269,7 @@ pub(super) struct Elements {
     pub(super) pixels: Option<PixelData>,
     /// Whether the elements are written otherwise than the transfer syntax says: with or without their value
     /// representations. They were read as they are written.
-    pub(super) is_mislabelled: bool,
+    pub(super) is_mislabeled: bool,
 }
 
 /// Reads all elements of use. What was read before an error stays in the second part, because even
@@ -280,7 +280,7 @@ pub(super) fn read(bytes: &dyn Bytes) -> (Elements, Result<(), Error>) {
         syntax: Syntax::implicit_little_endian(),
         set_offset: 0,
         pixels: None,
-        is_mislabelled: false,
+        is_mislabeled: false,
     };
     let result = read_into(bytes, &mut elements);
     (elements, result)
@@ -316,7 +316,7 @@ fn read_into(bytes: &dyn Bytes, elements: &mut Elements) -> Result<(), Error> {
         && !said.is_deflated
         && !said.is_big_endian
     {
-        elements.is_mislabelled = is_explicit != said.is_explicit;
+        elements.is_mislabeled = is_explicit != said.is_explicit;
         elements.syntax.is_explicit = is_explicit;
     }
     let syntax = elements.syntax;

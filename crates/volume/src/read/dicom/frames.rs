@@ -20,7 +20,7 @@ pub(super) struct Frame {
     /// Which frame of the file, from 0.
     pub(super) frame: usize,
     pub(super) layout: Layout,
-    /// Centre of the first sample.
+    /// Center of the first sample.
     pub(super) position: DVec3,
     /// Direction in which the column index grows.
     pub(super) row: DVec3,

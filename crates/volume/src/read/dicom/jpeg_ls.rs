@@ -4,7 +4,7 @@
 //! Our own, because the decoders at hand are a C++ library (the program shall build with a Rust
 //! toolchain alone) and a large young tree of crates around another DICOM library.
 //! Departures: palettes (LSE 2 and 3), oversize frames (LSE 4), several components, point
-//! transforms and an unknown number of lines (DNL) are refused; DICOM's grey images have none.
+//! transforms and an unknown number of lines (DNL) are refused; DICOM's gray images have none.
 
 /// What the frame says of itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -147,7 +147,7 @@ struct Coding {
     thresholds: [i32; 3],
     reset: i32,
     range: i32,
-    /// Bits of a quantised prediction error.
+    /// Bits of a quantized prediction error.
     error_bits: u32,
     /// The longest code word.
     limit: u32,
@@ -252,7 +252,7 @@ impl Coding {
         Ok(())
     }
 
-    fn quantised(&self, difference: i32) -> i32 {
+    fn quantized(&self, difference: i32) -> i32 {
         let [t1, t2, t3] = self.thresholds;
         let size = difference.abs();
         let level = if size <= self.near {
@@ -364,9 +364,9 @@ impl State<'_> {
         let mut x = 1;
         while x <= columns {
             let (a, b, c, d) = (line[x - 1], above[x], above[x - 1], above[x + 1]);
-            let q = 81 * self.coding.quantised(d - b)
-                + 9 * self.coding.quantised(b - c)
-                + self.coding.quantised(c - a);
+            let q = 81 * self.coding.quantized(d - b)
+                + 9 * self.coding.quantized(b - c)
+                + self.coding.quantized(c - a);
             if q != 0 {
                 line[x] = self.regular(bits, q, [a, b, c])?;
                 x += 1;

@@ -20,7 +20,7 @@ pub(super) fn is_segmentation(set: &DataSet) -> bool {
     set.text(tags::SOP_CLASS_UID).as_deref() == Some(SEGMENTATION_STORAGE)
 }
 
-/// Names and colours of the segments, of files whose samples are their numbers.
+/// Names and colors of the segments, of files whose samples are their numbers.
 pub(super) fn labels_of_map(set: &DataSet) -> Option<Vec<Label>> {
     let class = set.text(tags::SOP_CLASS_UID);
     (class.as_deref() == Some(LABEL_MAP_SEGMENTATION_STORAGE)).then(|| labels(set))
@@ -393,7 +393,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn colours_of_segments_are_those_of_the_standard() {
+    fn colors_of_segments_are_those_of_the_standard() {
         // sRGB red, green and white as CIELab of D50 (Lindbloom's calculator), in the integers of DICOM.
         let stored = |l: f64, a: f64, b: f64| {
             [l / 100.0, (a + 128.0) / 255.0, (b + 128.0) / 255.0]

@@ -2,7 +2,7 @@
 //!
 //! | line           | what                                                                       |
 //! |----------------|----------------------------------------------------------------------------|
-//! | `v x y z …`    | a position; a weight or a colour behind it is left out                     |
+//! | `v x y z …`    | a position; a weight or a color behind it is left out                     |
 //! | `vn x y z`     | a normal                                                                   |
 //! | `f a b c …`    | a polygon; a corner is `v`, `v/vt`, `v//vn` or `v/vt/vn`, counted from 1, or backwards from −1 |
 //! | `# …`          | a comment; 3D Slicer puts `SPACE=LPS` there                                |

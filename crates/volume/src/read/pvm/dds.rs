@@ -11,7 +11,7 @@
 //!     n × width bits: difference + 2^(width − 1)
 //! ```
 //!
-//! A byte is the one before it, plus what the byte above it gained on its own left neighbour, plus
+//! A byte is the one before it, plus what the byte above it gained on its own left neighbor, plus
 //! the difference, all modulo 256. The byte above lies `strip` bytes back; the first `strip + 1`
 //! bytes have none, and with a strip of 1 there is none at all.
 //!

@@ -84,7 +84,7 @@ pub(super) enum Compression {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Predictor {
     None,
-    /// Differences of neighbours.
+    /// Differences of neighbors.
     Horizontal,
     /// Differences of the bytes of a row, all high bytes first.
     FloatingPoint,
@@ -507,8 +507,8 @@ impl Directory<'_> {
         // 1 and 2 are opacity.
         let extra = self.number(tag::EXTRA_SAMPLES)?.unwrap_or(0);
         Ok(match photometric {
-            Photometric::Rgb => Meaning::Colour,
-            _ if numbers == 2 && matches!(extra, 1 | 2) => Meaning::Colour,
+            Photometric::Rgb => Meaning::Color,
+            _ if numbers == 2 && matches!(extra, 1 | 2) => Meaning::Color,
             _ => Meaning::Vector,
         })
     }
@@ -517,9 +517,9 @@ impl Directory<'_> {
         let samples = self.number(tag::SAMPLES_PER_PIXEL)?.unwrap_or(1);
         let photometric = self.number(tag::PHOTOMETRIC)?;
         match photometric {
-            Some(5) => return Err(colour("CMYK")),
-            Some(6) => return Err(colour("YCbCr")),
-            Some(8..=10) => return Err(colour("Lab")),
+            Some(5) => return Err(color("CMYK")),
+            Some(6) => return Err(color("YCbCr")),
+            Some(8..=10) => return Err(color("Lab")),
             _ => {}
         }
         const MOST: u64 = 64;
@@ -732,8 +732,8 @@ fn other_palette(page: usize) -> Error {
     .into()
 }
 
-/// A page that is not grey.
-fn colour(what: &str) -> Error {
+/// A page that is not gray.
+fn color(what: &str) -> Error {
     ErrorKind::Unsupported {
         feature: format!("color ({what})"),
         instead: "a volume has one number per voxel: convert to grey first, \

@@ -1,6 +1,6 @@
 //! Units of length as programs of microscopes spell them.
 
-/// Millimetres in a unit of length, in the spellings of ImageJ, OME and MetaMorph.
+/// Millimeters in a unit of length, in the spellings of ImageJ, OME and MetaMorph.
 pub(super) fn mm_per(unit: &str) -> Option<f64> {
     Some(match unit {
         "m" | "meter" | "metre" => 1e3,

@@ -91,7 +91,7 @@ impl MetaMorph {
         Ok(())
     }
 
-    /// Distance between voxel centres and whether it has a length unit, if anything is said of it.
+    /// Distance between voxel centers and whether it has a length unit, if anything is said of it.
     pub(super) fn spacing_mm(&self, notes: &mut Vec<String>) -> Option<([f64; 3], bool)> {
         let [x, y, z] = self.distances;
         x.or(y).or(z)?;

@@ -33,10 +33,10 @@ impl Palette {
         })
     }
 
-    /// The numbers that a pixel stands for: one if all colors are greys.
+    /// The numbers that a pixel stands for: one if all colors are grays.
     pub(super) fn components(&self) -> Components {
         let is_grey = self.colors.iter().all(|[r, g, b]| r == g && g == b);
-        Meaning::Colour.of(if is_grey { 1 } else { 3 })
+        Meaning::Color.of(if is_grey { 1 } else { 3 })
     }
 
     /// The chosen number of every pixel, whose indices these are.

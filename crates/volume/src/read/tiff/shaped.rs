@@ -141,9 +141,9 @@ mod tests {
         ] {
             assert_eq!(order(text), Some(expected), "{text}");
         }
-        let colours = parse(r#"{"shape": [7, 4, 5, 3]}"#, 3).unwrap();
+        let colors = parse(r#"{"shape": [7, 4, 5, 3]}"#, 3).unwrap();
         assert_eq!(
-            (colours.slices, colours.times, colours.images),
+            (colors.slices, colors.times, colors.images),
             (7, 1, Some(7))
         );
         for text in [

@@ -16,28 +16,28 @@ pub fn turned(x: f64, y: f64, z: f64) -> DMat3 {
 }
 
 /// An ellipsoid along the world's axes.
-pub fn ellipsoid(centre: DVec3, radii: DVec3) -> Shape {
+pub fn ellipsoid(center: DVec3, radii: DVec3) -> Shape {
     Shape::Ellipsoid {
-        centre,
+        center,
         radii,
         axes: None,
     }
 }
 
 /// An ellipsoid along turned axes.
-pub fn ellipsoid_turned(centre: DVec3, radii: DVec3, axes: DMat3) -> Shape {
+pub fn ellipsoid_turned(center: DVec3, radii: DVec3, axes: DMat3) -> Shape {
     Shape::Ellipsoid {
-        centre,
+        center,
         radii,
         axes: Some(axes),
     }
 }
 
 /// A ball.
-pub fn ball(centre: DVec3, radius: f64) -> Shape {
+pub fn ball(center: DVec3, radius: f64) -> Shape {
     Shape::Capsule {
-        a: centre,
-        b: centre + DVec3::Z * 1e-3,
+        a: center,
+        b: center + DVec3::Z * 1e-3,
         radius_a: radius,
         radius_b: radius,
     }
@@ -54,9 +54,9 @@ pub fn rod(a: DVec3, radius_a: f64, b: DVec3, radius_b: f64) -> Shape {
 }
 
 /// A box with rounded edges.
-pub fn block(centre: DVec3, half: DVec3, rounding: f64) -> Shape {
+pub fn block(center: DVec3, half: DVec3, rounding: f64) -> Shape {
     Shape::Block {
-        centre,
+        center,
         half,
         rounding,
         axes: None,
@@ -64,9 +64,9 @@ pub fn block(centre: DVec3, half: DVec3, rounding: f64) -> Shape {
 }
 
 /// A box with rounded edges along turned axes.
-pub fn block_turned(centre: DVec3, half: DVec3, rounding: f64, axes: DMat3) -> Shape {
+pub fn block_turned(center: DVec3, half: DVec3, rounding: f64, axes: DMat3) -> Shape {
     Shape::Block {
-        centre,
+        center,
         half,
         rounding,
         axes: Some(axes),
