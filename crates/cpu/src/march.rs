@@ -120,7 +120,10 @@ impl<S: Level> Packet<'_, S> {
         match self.scenery.objects.as_slice() {
             [object] => match self.scenery.composite {
                 Composite::EmissionAbsorption { .. } => self.by_rule(object),
-                Composite::FirstHit { .. } | Composite::Mida { .. } => {
+                Composite::FirstHit { .. }
+                | Composite::Mida { .. }
+                | Composite::ContextPreserving { .. }
+                | Composite::ImportanceAware { .. } => {
                     self.at_lattice_points(object);
                 }
                 _ => self.through_one(object),

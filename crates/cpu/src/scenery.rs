@@ -188,7 +188,10 @@ impl<'p, S: Level> Object<'p, S> {
     pub fn stored_for(&self, composite: Composite) -> Option<&Stored<'p>> {
         let fits = match composite {
             Composite::EmissionAbsorption { .. } => self.is_of_single_samples(),
-            Composite::FirstHit { .. } | Composite::Mida { .. } => true,
+            Composite::FirstHit { .. }
+            | Composite::Mida { .. }
+            | Composite::ContextPreserving { .. }
+            | Composite::ImportanceAware { .. } => true,
             _ => false,
         };
         let skips = self.skip.as_ref().is_none_or(Skip::has_cubes);
@@ -341,6 +344,30 @@ impl<'p, S: Level> Object<'p, S> {
             || {
                 let place = Place {
                     gradient: || self.gradient(position, shaded),
+                    place_mm: || self.place_mm(position),
+                    to_eye,
+                };
+                self.shading.look(surface, &place, shaded, last_normal)
+            },
+        )
+    }
+
+    /// The same for a gradient that is known.
+    #[inline(never)]
+    pub fn shade_by(
+        &self,
+        surface: Surface<S>,
+        gradient: Vec3s<S>,
+        position: Vec3s<S>,
+        to_eye: Vec3s<S>,
+        shaded: Mask<S>,
+        last_normal: &mut Vec3s<S>,
+    ) -> Surface<S> {
+        vectorized::<S, _>(
+            #[inline(always)]
+            || {
+                let place = Place {
+                    gradient: || gradient,
                     place_mm: || self.place_mm(position),
                     to_eye,
                 };

@@ -1,5 +1,5 @@
-//! The ray loop of most pictures: emission and absorption through a table, MIDA, or the first hit, in one volume of
-//! trilinear values. It gives the bytes of [`Packet::forwards`], which does the same with any functions.
+//! The ray loop of most pictures: emission and absorption through a table, the first hit, or rules that draw many samples
+//! of every ray, in one volume of trilinear values. It gives the bytes of [`Packet::forwards`], which does the same with any functions.
 //!
 //! What it does otherwise: it is compiled for each type of sample, so that position and cell serve the
 //! bricks and the voxels; the brick of the next lattice point is asked for before this one is sampled, so
@@ -12,7 +12,9 @@ use super::unlit_samples::UnlitSamples;
 use crate::lanes::{F32s, I32s, LANES, Mask, Vec3s, each, lanes, to_rows};
 use crate::levels::{Level, inlined, vectorized};
 use crate::library::classify::Surface;
+use crate::library::composite::context_preserving::ContextPreserving;
 use crate::library::composite::first_hit::FirstHit;
+use crate::library::composite::importance_aware::ImportanceAware;
 use crate::library::composite::mida::Mida;
 use crate::library::composite::{self, Crossing, Rule, emission_absorption};
 use crate::library::fetch::{Fetch, Linear};
@@ -51,7 +53,49 @@ impl<S: Level> Packet<'_, S> {
                     blend,
                     stop_at_transmittance,
                 };
-                self.fading(object, voxels, rule);
+                self.by_rule_of(object, voxels, rule);
+            }
+            Composite::ContextPreserving {
+                cut_depth,
+                cut_sharpness,
+                full_per_mm,
+                nearest_mm,
+                farthest_mm,
+                stop_at_transmittance,
+                covered_by,
+            } => {
+                let rule = ContextPreserving {
+                    cut_depth,
+                    cut_sharpness,
+                    full_per_mm,
+                    nearest_mm,
+                    farthest_mm,
+                    stop_at_transmittance,
+                    covered_by,
+                };
+                self.by_rule_of(object, voxels, rule);
+            }
+            Composite::ImportanceAware {
+                measure,
+                gain,
+                first,
+                second,
+                third,
+                full_per_mm,
+                low,
+                high,
+            } => {
+                let rule = ImportanceAware {
+                    measure,
+                    gain,
+                    first,
+                    second,
+                    third,
+                    full_per_mm,
+                    low,
+                    high,
+                };
+                self.by_rule_of(object, voxels, rule);
             }
             _ if object.shading.is_unlit() => self.unlit(object, voxels),
             _ => self.lit(object, voxels),
@@ -76,7 +120,7 @@ impl<S: Level> Packet<'_, S> {
     }
 
     #[inline(never)]
-    fn fading<T: Sample>(&mut self, object: &Object<S>, voxels: &Linear<T>, rule: Mida) {
+    fn by_rule_of<T: Sample>(&mut self, object: &Object<S>, voxels: &Linear<T>, rule: impl Rule) {
         vectorized::<S, _>(
             #[inline(always)]
             || {

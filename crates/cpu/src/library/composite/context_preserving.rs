@@ -57,13 +57,13 @@ impl ContextPreserving {
                     color: [one; 3],
                     opacity: surface.opacity,
                 };
+                let gradient = sample.gradient(visible);
                 if !crossing.object.shading.is_unlit() {
-                    lit = crossing.shade(lit, sample.position, visible, last_normal);
+                    lit = sample.shade_by(lit, gradient, visible, last_normal);
                 }
                 let [r, g, b] = each!([0, 1, 2], |c| lit.color[c] * F32s::splat(LUMINANCE[c]));
                 let light = (r + g + b).max(zero);
-                let steepness =
-                    length(sample.gradient(visible)).over(F32s::splat(self.full_per_mm));
+                let steepness = length(gradient).over(F32s::splat(self.full_per_mm));
                 let way = crossing.distance_mm(sample.place()) - F32s::splat(self.nearest_mm);
                 let far = way.over(F32s::splat(self.farthest_mm - self.nearest_mm));
                 let kept = self.kept(

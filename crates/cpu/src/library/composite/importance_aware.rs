@@ -22,9 +22,14 @@ pub struct ImportanceAware {
 }
 
 impl ImportanceAware {
-    /// The importance of the samples `asked` before the gain.
+    /// Whether the importance of a sample hangs on its gradient.
+    fn is_of_gradient(&self) -> bool {
+        !(3..=5).contains(&self.measure)
+    }
+
+    /// The importance of samples before the gain, by their gradients where it hangs on them.
     #[inline(never)]
-    fn importance<S: Level>(&self, sample: &Sample<S>, asked: Mask<S>) -> F32s<S> {
+    fn importance<S: Level>(&self, sample: &Sample<S>, gradient: Vec3s<S>) -> F32s<S> {
         vectorized::<S, _>(
             #[inline(always)]
             || {
@@ -44,15 +49,14 @@ impl ImportanceAware {
                         .over(F32s::splat(self.high - self.low));
                     return share.max(zero).min(one);
                 }
-                let change = sample.gradient(asked);
-                let steepness = length(change)
+                let steepness = length(gradient)
                     .over(F32s::splat(self.full_per_mm))
                     .max(zero)
                     .min(one);
                 if self.measure == 0 {
                     return steepness;
                 }
-                let (normal, has_normal) = unit(change);
+                let (normal, has_normal) = unit(gradient);
                 let cosine = dot(normal, *sample.crossing.to_eye);
                 let facing = has_normal.select(cosine.max(-cosine).min(one), zero);
                 self.of_surface(steepness, facing)
@@ -124,10 +128,13 @@ impl Rule for ImportanceAware {
     #[inline(always)]
     fn add<S: Level>(&self, state: &mut State<S>, sample: &Sample<S>) -> Mask<S> {
         let mut normal = state.last_normal;
-        let look = sample.look(&mut normal);
+        let (look, gradient) = match self.is_of_gradient() {
+            true => sample.look_and_gradient(&mut normal),
+            false => (sample.look(&mut normal), [F32s::zero(); 3]),
+        };
         state.last_normal = normal;
         if look.visible.any() {
-            let own = self.importance(sample, look.visible) * F32s::splat(self.gain);
+            let own = self.importance(sample, gradient) * F32s::splat(self.gain);
             let Surface { color, opacity } = look.surface;
             let mut seen = Accumulated {
                 color: state.color,

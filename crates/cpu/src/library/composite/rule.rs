@@ -148,6 +148,38 @@ impl<S: Level> Sample<'_, S> {
         )
     }
 
+    /// The same, and the gradient where something is visible, which is asked for once.
+    #[inline(always)]
+    pub fn look_and_gradient(&self, last_normal: &mut Vec3s<S>) -> (Look<S>, Vec3s<S>) {
+        let object = self.crossing.object;
+        let mut surface = object.classify(self.value, self.position, self.sampled);
+        let visible = self.sampled & F32s::zero().lt(surface.opacity);
+        let mut gradient = [F32s::zero(); 3];
+        if visible.any() {
+            gradient = self.gradient(visible);
+            if !object.shading.is_unlit() {
+                surface = self.shade_by(surface, gradient, visible, last_normal);
+            }
+            surface.opacity = object.of_step(surface.opacity);
+        }
+        (Look { surface, visible }, gradient)
+    }
+
+    /// Slot shade, for a gradient that is known.
+    #[inline(always)]
+    pub fn shade_by(
+        &self,
+        surface: Surface<S>,
+        gradient: Vec3s<S>,
+        shaded: Mask<S>,
+        last_normal: &mut Vec3s<S>,
+    ) -> Surface<S> {
+        let crossing = &self.crossing;
+        let (position, to_eye) = (self.position, *crossing.to_eye);
+        let object = crossing.object;
+        object.shade_by(surface, gradient, position, to_eye, shaded, last_normal)
+    }
+
     /// The gradient where `asked`; anything elsewhere.
     #[inline(always)]
     pub fn gradient(&self, asked: Mask<S>) -> Vec3s<S> {
