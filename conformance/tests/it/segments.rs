@@ -411,6 +411,29 @@ fn table_over([lo, hi]: [f64; 2], random: &mut Random) -> TransferTable {
     TransferTable::new([lo, hi], 1.0, entries)
 }
 
+/// A segment has no border inside: a cut through it is lit as what has no gradient.
+#[test]
+fn normals_of_segments_are_not_made_by_rounding() {
+    let grid = centered([24; 3], DMat3::IDENTITY);
+    let volume = of_samples(grid, Samples::U8(vec![100; 24 * 576]));
+    let one = labels(grid, |_| 1);
+    for method in [GradientMethod::Central, GradientMethod::Sobel] {
+        let mut plan = view(&volume);
+        plan.fields[0].gradient = method;
+        plan.technique_mut().table = white(0.9, 2.0);
+        plan.technique_mut().shade = blinn_phong(0.2, 0.7, 0.2, 9.0);
+        plan.technique_mut().gradient_input = GradientInput::Segment;
+        segmented(&mut plan, &one, &[]);
+        plan.sample_clips = vec![side(true)];
+        let drawn = draw(data(&volume, &one), &plan);
+        let mut evaluator = Evaluator::new(data(&volume, &one));
+        let expected = evaluator.render(&plan, &Control::NONE).unwrap();
+        let off = distance(&drawn, &expected);
+        assert!(off < 0.02, "{method:?}: {off}");
+        assert!(drawn.stats.counts.unwrap().samples_visible > 300);
+    }
+}
+
 /// The loop for samples and runs that all add up by emission and absorption, and that of any rules.
 #[test]
 fn both_loops_through_segments_draw_one_picture() {

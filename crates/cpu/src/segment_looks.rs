@@ -9,6 +9,9 @@ use strahl_scene::plan::{Classify, Composite, GlobalRule, GradientInput, Plan, S
 /// A technique that has no more to add to the run of a segment.
 pub const FINISHED: f32 = 65535.0;
 
+/// A ray that passes less than this may end inside a run: what lies behind is at most one step of a picture of 8 bits.
+const NEGLIGIBLE: f32 = 1.0 / 256.0;
+
 /// The looks of all segments, by their numbers counted from 1; number 0 is that of no segment.
 pub struct SegmentLooks {
     pub tables: Tables,
@@ -21,7 +24,8 @@ pub struct SegmentLooks {
     pub only: Option<f32>,
     /// Whether no segment has a tint.
     pub are_untinted: bool,
-    /// Whether runs make no difference: the samples of all segments add up as those of one do.
+    /// Whether runs make no difference, up to what a ray leaves out when it ends early: the samples of all segments add up
+    /// as those of one do.
     pub are_flat: bool,
     /// Whether one technique can light the samples of all.
     pub are_lit_alike: bool,
@@ -72,7 +76,7 @@ impl SegmentLooks {
         let are_opaque = shown.all(|(technique, factors)| *technique == 0 || factors[3] == 1.0);
         let technique = looks.techniques[0];
         let is_only = technique > 0 && drawn.clone().all(|(&other, _)| other == technique);
-        let are_flat = are_opaque && of_run == of_ray;
+        let are_flat = are_opaque && of_run == of_ray && of_ray <= NEGLIGIBLE;
         Some(SegmentLooks {
             tables,
             techniques,

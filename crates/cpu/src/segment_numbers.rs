@@ -4,6 +4,7 @@ use crate::label_bricks::{Corners, LabelBricks};
 use crate::lanes::{Affine, F32s, I32s, LANES, Mask, Vec3s, each, lanes};
 use crate::levels::{Level, Portable, vectorized};
 use crate::library::fetch::Shape;
+use crate::library::gradient::above_rounding;
 use crate::unseen_segments::UnseenSegments;
 use std::sync::Arc;
 use strahl_scene::plan::{GlobalRule, GradientMethod, NumberedSegments, Plan, SegmentGroup};
@@ -181,6 +182,8 @@ impl<'n> SegmentNumbers<'n> {
             }
         }
         let gradients = each!([0, 1, 2], |axis| F32s::from_array(gradients[axis]));
+        // Weights are at most 1.
+        let gradients = above_rounding(gradients, F32s::splat(1.0));
         Some((gradients, within))
     }
 

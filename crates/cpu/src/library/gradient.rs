@@ -41,7 +41,7 @@ const ROUNDING: f32 = 1.0 / (1 << 18) as f32;
 /// A gradient in voxel space where rounding cannot have made it, 0 elsewhere; `largest` is the largest of the values that
 /// it was made of, without its sign.
 #[inline(always)]
-fn above_rounding<S: Level>(in_voxel: Vec3s<S>, largest: F32s<S>) -> Vec3s<S> {
+pub fn above_rounding<S: Level>(in_voxel: Vec3s<S>, largest: F32s<S>) -> Vec3s<S> {
     let [x, y, z] = in_voxel.map(F32s::abs);
     let is_more = (largest * F32s::splat(ROUNDING)).lt(x.max(y).max(z));
     each!(in_voxel, |c| is_more.select(c, F32s::zero()))

@@ -217,6 +217,35 @@ mod tests {
     }
 
     #[test]
+    fn large_values_that_lie_close_are_not_missed() {
+        // Between the entries lies a tenth; numbers of this size are 1/128 apart.
+        let mut entries = vec![[0.0; 4]; 4099];
+        for start in 1..1500 {
+            entries
+                .iter_mut()
+                .take(start)
+                .for_each(|entry| entry[3] = 0.0);
+            entries
+                .iter_mut()
+                .skip(start)
+                .for_each(|entry| entry[3] = 1.0);
+            let table = TransferTable::new([99_999.85, 100_409.65], 1.0, entries.clone());
+            let all = Tables::new(&[&table]).unwrap();
+            let middle = 99_999.85 + 0.1 * start as f32;
+            let mut value = middle - 0.3;
+            while value < middle + 0.1 {
+                let value_here = F32s::<Portable>::splat(value);
+                let opacity = all.opacity_at(value_here, F32s::splat(1.0)).lane(0);
+                assert!(
+                    opacity == 0.0 || all.may_show(value_here).any(),
+                    "{start} {value}"
+                );
+                value = value.next_up();
+            }
+        }
+    }
+
+    #[test]
     fn there_may_be_too_many() {
         let table = TransferTable::new([0.0, 1.0], 1.0, vec![[0.0; 4]; 2]);
         assert!(Tables::new(&[&table; Tables::MOST]).is_some());
