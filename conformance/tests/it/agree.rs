@@ -99,7 +99,7 @@ const SUBJECTS: [&str; 27] = [
     "CatmullRom",
     "Perspective",
     "Orthographic",
-    "Centre",
+    "Center",
     "Hash",
     "1 planes",
     "2 planes",

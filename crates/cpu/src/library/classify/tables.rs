@@ -119,12 +119,16 @@ fn shown(table: &TransferTable) -> [f32; 2] {
         return [f32::INFINITY, f32::NEG_INFINITY];
     };
     let [lo, hi] = table.domain().map(f64::from);
-    // A little more than the way to the entry beside them, as places are rounded.
+    // A little more than the way to the entry beside them, as places are rounded, and the bounds themselves are.
     let place = |entry: f64| lo + (hi - lo) * entry / (entries.len() - 1) as f64;
-    let low = first
-        .checked_sub(1)
-        .map(|before| place(before as f64 - 0.01) as f32);
-    let high = (last + 1 < entries.len()).then(|| place(last as f64 + 1.01) as f32);
+    let low = first.checked_sub(1).map(|before| {
+        let low = place(before as f64 - 0.01) as f32;
+        low.next_down().next_down()
+    });
+    let high = (last + 1 < entries.len()).then(|| {
+        let high = place(last as f64 + 1.01) as f32;
+        high.next_up().next_up()
+    });
     [
         low.unwrap_or(f32::NEG_INFINITY),
         high.unwrap_or(f32::INFINITY),
