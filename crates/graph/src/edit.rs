@@ -692,9 +692,8 @@ impl Editor<'_> {
     }
 
     fn skips(&self) -> bool {
-        let reads_map = |input: &Input| matches!(input, Input::From(_));
         let mut nodes = self.graph.nodes.iter().filter(|node| skips(node));
-        nodes.any(|node| node.reads("empty").is_some_and(reads_map))
+        nodes.any(|node| matches!(node.reads("empty"), Some(Input::From(_))))
     }
 
     /// Whether one of the nodes `names` decides where a ray runs, and how opaque a sample of it is.
@@ -730,11 +729,36 @@ impl Editor<'_> {
     }
 
     /// What is empty is known for the scene's transfer function at the places of the lattice only.
+    /// What an edit has connected in place of the map stays.
     fn stop_skipping(&mut self) {
+        let of_map = self.nodes_of_map();
         for node in self.graph.nodes.iter_mut().filter(|node| skips(node)) {
-            let maps = node.inputs.iter_mut().filter(|(name, _)| name == "empty");
-            for (_, input) in maps {
-                *input = Input::Constant(Constant::Numbers(vec![0.0]));
+            for (name, input) in &mut node.inputs {
+                let reads_map = matches!(input, Input::From(from) if of_map.contains(&from.node));
+                if name == "empty" && reads_map {
+                    *input = Input::Constant(Constant::Numbers(vec![0.0]));
+                }
+            }
+        }
+    }
+
+    /// The names of the nodes that are computed from the map of empty space.
+    fn nodes_of_map(&self) -> HashSet<String> {
+        let is_map = |node: &&Node| {
+            matches!(&node.kind, Kind::Pattern(pattern) if pattern == "empty_points")
+        };
+        let maps = self.graph.nodes.iter().filter(is_map);
+        let mut of_map: HashSet<String> = maps.map(|node| node.name.clone()).collect();
+        loop {
+            let before = of_map.len();
+            for node in &self.graph.nodes {
+                let mut inputs = node.inputs.iter().map(|(_, input)| input);
+                if inputs.any(|i| matches!(i, Input::From(from) if of_map.contains(&from.node))) {
+                    of_map.insert(node.name.clone());
+                }
+            }
+            if of_map.len() == before {
+                return of_map;
             }
         }
     }

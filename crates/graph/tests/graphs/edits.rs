@@ -218,6 +218,23 @@ fn reads(graph: &Graph, to: &str) -> Option<Input> {
     }
 }
 
+/// Whether skipping stopped because the edit reaches what decides what is seen: then the input `empty` of
+/// `to` is the constant 0 in place of the map of empty space, or of `from` that is computed from it.
+fn stopped_skipping(before: &Graph, to: &str, from: &Input, there: &Option<Input>) -> bool {
+    let Input::From(from) = from else {
+        return false;
+    };
+    let none = Input::Constant(Constant::Numbers(vec![0.0]));
+    let is_map = |name: &str| {
+        let node = before.node(name);
+        node.is_some_and(|n| matches!(&n.kind, Kind::Pattern(p) if p == "empty_points"))
+    };
+    let is_inserted = |input: &Input| matches!(input, Input::From(one) if is_map(&one.node));
+    to.ends_with(".empty")
+        && there.as_ref() == Some(&none)
+        && (is_map(&from.node) || reads(before, to).is_some_and(|old| is_inserted(&old)))
+}
+
 /// Whether `after` is `before` with `edit` carried out.
 fn assert_done(before: &Graph, edit: &Edit, after: &Graph) {
     match edit {
@@ -231,7 +248,11 @@ fn assert_done(before: &Graph, edit: &Edit, after: &Graph) {
         }
         Edit::Connect(inputs) => {
             for (to, from) in inputs {
-                assert_eq!(reads(after, to).as_ref(), Some(from), "{to}");
+                let there = reads(after, to);
+                assert!(
+                    there.as_ref() == Some(from) || stopped_skipping(before, to, from, &there),
+                    "{to}: {there:?}"
+                );
             }
         }
         Edit::Insert {
@@ -242,7 +263,12 @@ fn assert_done(before: &Graph, edit: &Edit, after: &Graph) {
             let there = reads(before, into).unwrap();
             // A node that is inserted before itself reads itself, which the compiler refuses.
             if into.split('.').next() != Some(node) {
-                assert_eq!(reads(after, into), Some(Input::From(from)));
+                let now = reads(after, into);
+                let from = Input::From(from);
+                assert!(
+                    now.as_ref() == Some(&from) || stopped_skipping(before, into, &from, &now),
+                    "{into}: {now:?}"
+                );
                 let between = after.node(node).unwrap();
                 assert!(
                     between.inputs.iter().any(|(_, i)| *i == there)
