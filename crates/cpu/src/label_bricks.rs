@@ -3,7 +3,7 @@
 use crate::brick_number::{EDGE, brick_number};
 use crate::lanes::{F32s, I32s, Mask, each, words_inside};
 use crate::levels::{Level, inlined};
-use strahl_volume::{Cancelled, ContentId, Control, Key, LabelIds, LabelNumbers, cores};
+use strahl_volume::{ContentId, Control, Error, ErrorKind, Key, LabelIds, LabelNumbers, cores};
 
 /// Corners of the cells of a brick along each axis.
 const CORNERS: usize = EDGE + 1;
@@ -94,11 +94,14 @@ impl Key for LabelBricksKey {
 
 impl LabelBricks {
     /// Those of `labels`, which have `dims` voxels along the axes.
+    ///
+    /// # Errors
+    /// It was cancelled; there is no memory.
     pub fn under(
         labels: &LabelNumbers,
         dims: [usize; 3],
         control: &Control,
-    ) -> Result<LabelBricks, Cancelled> {
+    ) -> Result<LabelBricks, Error> {
         match &labels.numbers {
             LabelIds::U8(numbers) => LabelBricks::of(numbers, dims, control),
             LabelIds::U16(numbers) => LabelBricks::of(numbers, dims, control),
@@ -110,27 +113,33 @@ impl LabelBricks {
         numbers: &[T],
         dims: [usize; 3],
         control: &Control,
-    ) -> Result<LabelBricks, Cancelled> {
+    ) -> Result<LabelBricks, Error> {
         let [nx, ny, nz] = dims.map(|n| (n.max(2) - 1).div_ceil(EDGE));
         let mut slices = vec![(Vec::new(), Vec::new()); nz];
         cores::try_for_each(
             slices.iter_mut().enumerate(),
             || (),
             |(), (z, (words, blocks))| {
+                reserve(words, nx * ny)?;
                 for i in 0..nx * ny {
                     if i % nx == 0 {
                         control.check()?;
+                        reserve(blocks, nx * (PAIR_BYTES + 4 * MOST))?;
                     }
                     words.push(append(numbers, dims, [i % nx, i / nx, z], blocks));
                 }
-                Ok(())
+                Ok::<_, Error>(())
             },
         )?;
         let mut all = LabelBricks {
             dims: [nx, ny, nz].map(|n| n as i32),
-            words: Vec::with_capacity(nx * ny * nz),
+            words: Vec::new(),
             blocks: Vec::new(),
         };
+        reserve(&mut all.words, nx * ny * nz)?;
+        let blocks = slices.iter().map(|(_, blocks)| blocks.len());
+        // A word can be read anywhere.
+        reserve(&mut all.blocks, blocks.sum::<usize>() + 4)?;
         for (words, blocks) in slices {
             let before = all.blocks.len() / 4;
             // Words are gathered at 32-bit offsets.
@@ -147,7 +156,6 @@ impl LabelBricks {
                 all.blocks.extend(blocks);
             }
         }
-        // A word can be read anywhere.
         all.blocks.extend([0; 4]);
         Ok(all)
     }
@@ -191,6 +199,13 @@ impl LabelBricks {
     pub fn has_more_than_two<S: Level>(words: I32s<S>) -> Mask<S> {
         words.and(1).lt(I32s::splat(1))
     }
+}
+
+/// Makes room for so many more.
+fn reserve<T>(list: &mut Vec<T>, more: usize) -> Result<(), Error> {
+    let bytes = || (more as u64).saturating_mul(size_of::<T>() as u64);
+    list.try_reserve(more)
+        .map_err(|_| ErrorKind::NoMemory { bytes: bytes() }.into())
 }
 
 /// The word of a brick, as if its block were the first of all; what it needs is appended to `blocks`.

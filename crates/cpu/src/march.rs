@@ -11,6 +11,7 @@ mod points;
 mod projection;
 mod ray_history;
 mod ray_memory;
+mod reader;
 mod runs;
 mod segments;
 mod through_labels;

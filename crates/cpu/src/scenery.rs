@@ -342,12 +342,8 @@ impl<'p, S: Level> Object<'p, S> {
         vectorized::<S, _>(
             #[inline(always)]
             || {
-                let place = Place {
-                    gradient: || self.gradient(position, shaded),
-                    place_mm: || self.place_mm(position),
-                    to_eye,
-                };
-                self.shading.look(surface, &place, shaded, last_normal)
+                let gradient = || self.gradient(position, shaded);
+                self.shade_here(surface, gradient, position, to_eye, shaded, last_normal)
             },
         )
     }
@@ -365,15 +361,26 @@ impl<'p, S: Level> Object<'p, S> {
     ) -> Surface<S> {
         vectorized::<S, _>(
             #[inline(always)]
-            || {
-                let place = Place {
-                    gradient: || gradient,
-                    place_mm: || self.place_mm(position),
-                    to_eye,
-                };
-                self.shading.look(surface, &place, shaded, last_normal)
-            },
+            || self.shade_here(surface, || gradient, position, to_eye, shaded, last_normal),
         )
+    }
+
+    #[inline(always)]
+    fn shade_here(
+        &self,
+        surface: Surface<S>,
+        gradient: impl Fn() -> Vec3s<S>,
+        position: Vec3s<S>,
+        to_eye: Vec3s<S>,
+        shaded: Mask<S>,
+        last_normal: &mut Vec3s<S>,
+    ) -> Surface<S> {
+        let place = Place {
+            gradient,
+            place_mm: || self.place_mm(position),
+            to_eye,
+        };
+        self.shading.look(surface, &place, shaded, last_normal)
     }
 
     /// The look of a sample where it was `sampled`: classified, shaded, its opacity that of one step.
@@ -415,12 +422,8 @@ impl<'p, S: Level> Object<'p, S> {
         let visible = sampled & F32s::zero().lt(surface.opacity);
         if visible.any() {
             if !self.shading.is_unlit() {
-                let place = Place {
-                    gradient: || gradient,
-                    place_mm: || self.place_mm(position),
-                    to_eye,
-                };
-                surface = self.shading.look(surface, &place, visible, last_normal);
+                surface =
+                    self.shade_here(surface, || gradient, position, to_eye, visible, last_normal);
             }
             surface.opacity = self.of_step(surface.opacity);
         }

@@ -88,7 +88,7 @@ impl<S: Level> Packet<'_, S> {
                     object,
                     rule,
                     #[inline(always)]
-                    |_, state, sample| rule.add(state, sample),
+                    move |_, state, sample| rule.add(state, sample),
                 );
             },
         );

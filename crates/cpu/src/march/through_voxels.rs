@@ -8,18 +8,19 @@
 
 use super::packet::Packet;
 use super::points::Points;
+use super::reader::Reader;
 use super::unlit_samples::UnlitSamples;
-use crate::lanes::{F32s, I32s, LANES, Mask, Vec3s, each, lanes, to_rows};
-use crate::levels::{Level, inlined, vectorized};
+use crate::lanes::{F32s, I32s, LANES, Mask};
+use crate::levels::{Level, vectorized};
 use crate::library::classify::Surface;
 use crate::library::composite::context_preserving::ContextPreserving;
 use crate::library::composite::first_hit::FirstHit;
 use crate::library::composite::importance_aware::ImportanceAware;
 use crate::library::composite::mida::Mida;
 use crate::library::composite::{self, Crossing, Rule, emission_absorption};
-use crate::library::fetch::{Fetch, Linear};
-use crate::library::reconstruct::trilinear;
+use crate::library::fetch::Linear;
 use crate::scenery::{Object, Stored};
+use crate::skip::Cubes;
 use strahl_scene::plan::Composite;
 use strahl_volume::Sample;
 
@@ -110,9 +111,10 @@ impl<S: Level> Packet<'_, S> {
                 self.walk(
                     object,
                     voxels,
+                    self.cubes(object),
                     #[inline(always)]
-                    |packet, _, k, value, sampled, _| {
-                        rule.meet(&mut packet.state, k, value, sampled)
+                    |packet, _, sample| {
+                        rule.meet(&mut packet.state, sample.k, sample.value, sample.sampled)
                     },
                 );
             },
@@ -124,28 +126,12 @@ impl<S: Level> Packet<'_, S> {
         vectorized::<S, _>(
             #[inline(always)]
             || {
-                let to_eye = self.to_eye;
-                let crossing = Crossing {
-                    scenery: self.scenery,
-                    object,
-                    packet: self.rays,
-                    to_eye: &to_eye,
-                };
                 self.walk(
                     object,
                     voxels,
+                    self.cubes(object),
                     #[inline(always)]
-                    |packet, position, k, value, sampled, stride| {
-                        let sample = composite::Sample {
-                            crossing,
-                            k,
-                            stride,
-                            position,
-                            value,
-                            sampled,
-                        };
-                        rule.add(&mut packet.state, &sample)
-                    },
+                    |packet, _, sample| rule.add(&mut packet.state, sample),
                 );
             },
         );
@@ -159,11 +145,12 @@ impl<S: Level> Packet<'_, S> {
                 self.walk(
                     object,
                     voxels,
+                    self.cubes(object),
                     #[inline(always)]
-                    |packet, _, _, value, sampled, stride| {
-                        let Surface { color, opacity } = object.table.at(value);
-                        let visible = sampled & F32s::zero().lt(opacity);
-                        let opacity = object.of_stride(object.of_step(opacity), stride);
+                    |packet, _, sample| {
+                        let Surface { color, opacity } = object.table.at(sample.value);
+                        let visible = sample.sampled & F32s::zero().lt(opacity);
+                        let opacity = object.of_stride(object.of_step(opacity), sample.stride);
                         emission_absorption::add(&mut packet.state, visible, color, opacity);
                         visible
                     },
@@ -177,29 +164,15 @@ impl<S: Level> Packet<'_, S> {
         vectorized::<S, _>(
             #[inline(always)]
             || {
-                let to_eye = self.to_eye;
-                let crossing = Crossing {
-                    scenery: self.scenery,
-                    object,
-                    packet: self.rays,
-                    to_eye: &to_eye,
-                };
                 let mut waiting = UnlitSamples::new(self.to_eye, self.state.color);
                 self.walk(
                     object,
                     voxels,
+                    self.cubes(object),
                     #[inline(always)]
-                    |packet, position, k, value, sampled, stride| {
-                        let sample = composite::Sample {
-                            crossing,
-                            k,
-                            stride,
-                            position,
-                            value,
-                            sampled,
-                        };
+                    |packet, _, sample| {
                         let mut alpha = packet.state.alpha;
-                        let visible = packet.collect(object, &mut alpha, &mut waiting, &sample);
+                        let visible = packet.collect(object, &mut alpha, &mut waiting, sample);
                         packet.state.alpha = alpha;
                         visible
                     },
@@ -209,20 +182,33 @@ impl<S: Level> Packet<'_, S> {
         );
     }
 
-    /// From lattice point to lattice point, leaving out what shows nothing; `see` adds the samples at a position
-    /// and lattice point to the rays that are sampled, for as many lattice points as a stride has, and says which of them
-    /// they showed something for.
+    /// What can be left out of `object`.
     #[inline(always)]
-    fn walk<T: Sample>(
+    fn cubes<'o>(&self, object: &'o Object<S>) -> Option<Cubes<'o, S>> {
+        let skip = object.skip.as_ref()?;
+        skip.cubes(&self.rays.lines[0])
+    }
+
+    /// From lattice point to lattice point, leaving out the `cubes` that show nothing; `see` adds a sample at some points to
+    /// the rays that are sampled, and says for which of them it showed something.
+    #[inline(always)]
+    pub(super) fn walk(
         &mut self,
         object: &Object<S>,
-        voxels: &Linear<T>,
-        mut see: impl FnMut(&mut Self, Vec3s<S>, F32s<S>, F32s<S>, Mask<S>, F32s<S>) -> Mask<S>,
+        reader: &impl Reader<S>,
+        cubes: Option<Cubes<S>>,
+        mut see: impl FnMut(&mut Self, &Points<S>, &composite::Sample<S>) -> Mask<S>,
     ) {
         let (rays, line) = (self.rays, &self.rays.lines[0]);
         let one = F32s::splat(1.0);
-        let shape = <Linear<T> as Fetch<S>>::shape(voxels);
-        let cubes = object.skip.as_ref().and_then(|skip| skip.cubes(line));
+        let to_eye = self.to_eye;
+        let crossing = Crossing {
+            scenery: self.scenery,
+            object,
+            packet: rays,
+            to_eye: &to_eye,
+        };
+        let shape = reader.shape();
         let strides = object.strides.as_ref();
         let mut strides = strides.map(|strides| strides.along(line, self.last_alpha));
         let (mut k, end, mut live) = self.stand();
@@ -261,14 +247,18 @@ impl<S: Level> Packet<'_, S> {
             let next = seeing.select(k + stride, jumped);
             let there = Points::at(shape, line.position(next + rays.jitter));
             let next_cube = cubes.as_ref().map(|cubes| cubes.at(there.cell));
-            let part = here.part();
-            // SAFETY: `shape` is that of the voxels.
-            let corners = unsafe { voxels.corners(here.cell) };
-            let value = object.rescaled(trilinear::between(corners, part));
+            let value = reader.values(object, &here);
             self.sampled += seeing.select(one, F32s::zero());
-            // What is not finite is no value.
-            let sampled = seeing & value.is_finite();
-            let visible = see(self, here.position, k, value, sampled, stride);
+            let sample = composite::Sample {
+                crossing,
+                k,
+                stride,
+                position: here.position,
+                value,
+                // What is not finite is no value.
+                sampled: seeing & value.is_finite(),
+            };
+            let visible = see(self, &here, &sample);
             self.visible += visible.select(one, F32s::zero());
             (k, here, cube) = (next, there, next_cube);
             live = live & k.lt(end) & !self.done();
@@ -310,12 +300,7 @@ impl<S: Level> Packet<'_, S> {
         if waiting.number > 0 {
             self.light(object, waiting);
         }
-        let sums = &waiting.sums;
-        let channel = inlined(
-            #[inline(always)]
-            |c: usize| F32s::from_array(lanes(|lane| sums[lane][c])),
-        );
-        self.state.color = each!([0, 1, 2], |c| channel(c));
+        self.state.color = waiting.colors();
     }
 
     /// Lights as many samples as there are lanes, or all that wait, and adds them to their rays.
@@ -324,27 +309,12 @@ impl<S: Level> Packet<'_, S> {
         vectorized::<S, _>(
             #[inline(always)]
             || {
-                let number = waiting.number.min(LANES);
-                let lane_numbers = F32s::from_array(lanes(|i| i as f32));
-                let asked = lane_numbers.lt(F32s::splat(number as f32));
-                let [x, y, z, value, share, ray] = waiting.first();
-                // What lies behind the last one is old, or 0: a place in the volume and a ray all the same.
-                let position = [x, y, z];
-                let ray: I32s<S> = ray.to_i32s();
-                let to_eye = each!([0, 1, 2], |axis| F32s::picked(&waiting.to_eye[axis], ray));
-                let surface = object.table.at(value);
+                let batch = waiting.batch();
+                let surface = object.table.at(batch.value);
                 let mut unkept = [F32s::zero(); 3];
-                let surface = object.shade(surface, position, to_eye, asked, &mut unkept);
-                let [r, g, b] = each!(surface.color, |c| share * c);
-                let seen = to_rows([r, g, b, F32s::zero()]);
-                let rays = ray.to_array();
-                for (seen, ray) in seen.iter().zip(rays).take(number) {
-                    let sum = &mut waiting.sums[ray as usize % LANES];
-                    for (sum, seen) in sum.iter_mut().zip(seen) {
-                        *sum += seen;
-                    }
-                }
-                waiting.drop_first(number);
+                let (position, to_eye) = (batch.position, batch.to_eye);
+                let surface = object.shade(surface, position, to_eye, batch.asked, &mut unkept);
+                waiting.add(&batch, surface.color);
             },
         );
     }
