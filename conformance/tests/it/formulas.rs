@@ -1,6 +1,7 @@
 //! Functions against their formulas, in double precision: each renderer draws what the paper says, not only what the
 //! other renderers do.
 
+use crate::importance::Seen;
 use crate::simple::{centered, cut_box, draw, of_samples, one_sample_at, parallel, plan, white};
 use glam::{DAffine3, DMat3, DVec3};
 use strahl_scene::plan::*;
@@ -33,6 +34,51 @@ fn near(what: &str, found: f32, expected: f64, tolerance: f64) {
     );
 }
 
+/// Of a light.
+const RADIANCE: [f32; 3] = [0.8, 0.5, 0.2];
+
+/// A ramp that rises along `normal`, and a Plan that shows one sample of it, seen from `to_eye` and lit from `to_light`.
+fn lit_ramp(
+    [normal, to_eye, to_light]: [DVec3; 3],
+    table: TransferTable,
+    illuminate: Illuminate,
+) -> (Volume, Plan) {
+    let grid = centered([12; 3], DMat3::IDENTITY);
+    let volume = crate::simple::volume(grid, |place| 50.0 + 10.0 * normal.dot(place));
+    let mut plan = plan(&volume, parallel(-to_eye, 40.0, 2.0), table);
+    (plan.width, plan.height) = (3, 3);
+    one_sample_at(&mut plan, 0.0);
+    plan.lights = vec![PlanLight::Directional {
+        to_light,
+        radiance: RADIANCE,
+    }];
+    plan.technique_mut().shade = Shade::Lit {
+        ambient: 0.1,
+        illuminate,
+        keep_last_normal: false,
+    };
+    (volume, plan)
+}
+
+/// Numbers from 0 to 200, some larger than all before them.
+const NUMBERS: [f32; 8] = [20.0, 60.0, 10.0, 90.0, 90.0, 50.0, 140.0, 30.0];
+
+/// Color and opacity of a number.
+fn look(number: f64) -> (DVec3, f64) {
+    let v = number / 200.0;
+    (DVec3::new(v, 1.0 - v, v * v), 0.2 + 0.3 * v)
+}
+
+/// The table of [`look`].
+fn looks() -> TransferTable {
+    let entries = (0..201).map(|i| {
+        let (color, opacity) = look(f64::from(i));
+        let [r, g, b] = color.to_array();
+        [r, g, b, opacity].map(|number| number as f32)
+    });
+    TransferTable::new([0.0, 200.0], 1.0, entries.collect())
+}
+
 /// The steepest central difference of a ray, over white.
 #[test]
 fn gmip_is_the_largest_gradient() {
@@ -54,28 +100,18 @@ fn gmip_is_the_largest_gradient() {
 /// larger value, by the rise; γ from −1, where nothing fades, to 0. Above 0 the sum fades to the largest value.
 #[test]
 fn mida_is_the_sum_of_the_paper() {
-    let numbers = [20.0f32, 60.0, 10.0, 90.0, 90.0, 50.0, 140.0, 30.0];
-    let volume = column(&numbers);
-    let entries = (0..201).map(|i| {
-        let v = i as f32 / 200.0;
-        [v, 1.0 - v, v * v, 0.2 + 0.3 * v]
-    });
-    let table = TransferTable::new([0.0, 200.0], 1.0, entries.collect());
+    let volume = column(&NUMBERS);
     for blend in [-1.0f32, -0.6, 0.0, 0.4, 1.0] {
-        let mut plan = down(&volume, table.clone());
+        let mut plan = down(&volume, looks());
         plan.technique_mut().composite = Composite::Mida {
             low: 0.0,
             high: 150.0,
             blend,
             stop_at_transmittance: 0.0,
         };
-        let look = |number: f64| {
-            let v = number / 200.0;
-            (DVec3::new(v, 1.0 - v, v * v), 0.2 + 0.3 * v)
-        };
         let blend = f64::from(blend);
         let (mut color, mut alpha, mut largest) = (DVec3::ZERO, 0.0f64, 0.0f64);
-        for number in numbers.map(f64::from) {
+        for number in NUMBERS.map(f64::from) {
             let share = number / 150.0;
             let rise = (share - largest).max(0.0);
             largest = largest.max(share);
@@ -100,6 +136,44 @@ fn mida_is_the_sum_of_the_paper() {
             }
         }
     }
+}
+
+/// F. de Moura Pinto and C. M. D. S. Freitas 2010, with the importance of a sample by its gradient or by its value.
+#[test]
+fn samples_are_as_important_as_their_gradients_or_values() {
+    let volume = column(&NUMBERS);
+    let at = |i: usize| f64::from(NUMBERS[i.min(NUMBERS.len() - 1)]);
+    let by_gradient = |i: usize| 0.5 * (at(i + 1) - at(i.saturating_sub(1))).abs() / 40.0;
+    let by_value = |i: usize| (at(i) - 20.0) / 80.0;
+    let (gain, mut found) = (3.0f32, Vec::new());
+    for (measure, share) in [(0, &by_gradient as &dyn Fn(usize) -> f64), (3, &by_value)] {
+        let mut plan = down(&volume, looks());
+        plan.technique_mut().composite = Composite::ImportanceAware {
+            measure,
+            gain,
+            first: 1.0,
+            second: 0.2,
+            third: 0.6,
+            full_per_mm: 40.0,
+            low: 20.0,
+            high: 100.0,
+        };
+        let mut seen = Seen::default();
+        for (i, number) in NUMBERS.into_iter().enumerate() {
+            let (color, opacity) = look(f64::from(number));
+            let importance = f64::from(gain) * share(i).clamp(0.0, 1.0);
+            seen.add((opacity * color).to_array(), opacity, importance);
+        }
+        let expected = seen.color.into_iter().chain([seen.alpha]);
+        for (renderer, _, _, pixel) in draw(&volume, &plan) {
+            for (found, expected) in pixel.into_iter().zip(expected.clone()) {
+                near(&format!("{renderer} {measure}"), found, expected, 2e-5);
+            }
+        }
+        found.push(seen.color);
+    }
+    let [a, b] = [0, 1].map(|i| DVec3::from_array(found[i]));
+    assert!(a.distance(b) > 0.01, "{a} {b}");
 }
 
 /// The length of a chord through an ellipsoid and through the cylinder along z, inside and around.
@@ -189,9 +263,9 @@ fn thresholds_show_what_is_above_them() {
 #[test]
 fn two_sided_blinn_phong_has_absolute_products() {
     let normal = DVec3::new(0.3, -0.2, -0.9).normalize();
-    let grid = centered([12; 3], DMat3::IDENTITY);
-    let volume = crate::simple::volume(grid, |place| 50.0 + 10.0 * normal.dot(place));
     let eye = DVec3::new(0.1, 0.2, -1.0).normalize();
+    let own = [0.9f32, 0.5, 0.2];
+    let table = TransferTable::new([0.0, 1.0], 1.0, vec![[own[0], own[1], own[2], 1.0]; 2]);
     // From the side of the eye, from behind, from behind with a half vector that points away, from along the surface.
     for to_light in [
         DVec3::new(0.7, 0.1, -0.6),
@@ -200,34 +274,29 @@ fn two_sided_blinn_phong_has_absolute_products() {
         normal.cross(eye),
     ] {
         let light = to_light.normalize();
-        let mut plan = plan(&volume, parallel(-eye, 40.0, 2.0), white(1.0, 1.0));
-        (plan.width, plan.height) = (3, 3);
-        one_sample_at(&mut plan, 0.0);
-        let radiance = [0.8, 0.5, 0.2];
-        plan.lights = vec![PlanLight::Directional {
-            to_light: light,
-            radiance,
-        }];
-        plan.technique_mut().shade = Shade::Lit {
-            ambient: 0.1,
-            illuminate: Illuminate::BlinnPhongTwoSided {
+        // Without highlights and with an ambient share of 1 − p, this is the color between itself and its darkening.
+        for specular in [0.3, 0.0] {
+            let model = Illuminate::BlinnPhongTwoSided {
                 diffuse: 0.6,
-                specular: 0.3,
+                specular,
                 shininess: 5.0,
-            },
-            keep_last_normal: false,
-        };
-        let half = (light + eye).normalize();
-        let lit = 0.6 * normal.dot(light).abs() + 0.3 * normal.dot(half).abs().powi(5);
-        let mut renderers = Vec::new();
-        for (renderer, _, _, pixel) in draw(&volume, &plan) {
-            renderers.push(renderer.name);
-            for (found, radiance) in pixel.into_iter().zip(radiance) {
-                let what = format!("{renderer} {light}");
-                near(&what, found, 0.1 + f64::from(radiance) * lit, 1e-4);
+            };
+            let (volume, plan) = lit_ramp([normal, eye, light], table.clone(), model);
+            let half = (light + eye).normalize();
+            let matt = 0.6 * normal.dot(light).abs();
+            let highlight = f64::from(specular) * normal.dot(half).abs().powi(5);
+            let mut renderers = Vec::new();
+            for (renderer, _, _, pixel) in draw(&volume, &plan) {
+                renderers.push(renderer.name);
+                for ((found, own), radiance) in pixel.into_iter().zip(own).zip(RADIANCE) {
+                    let [own, radiance] = [own, radiance].map(f64::from);
+                    let expected = 0.1 * own + radiance * (matt * own + highlight);
+                    let what = format!("{renderer} {light} {specular}");
+                    near(&what, found, expected, 1e-4);
+                }
             }
+            assert!(renderers.contains(&"cpu") && renderers.contains(&"evaluator"));
         }
-        assert!(renderers.contains(&"cpu") && renderers.contains(&"evaluator"));
     }
 }
 
@@ -235,10 +304,7 @@ fn two_sided_blinn_phong_has_absolute_products() {
 /// Schlick 1994, as they are printed there; everything times π, as the diffuse part is.
 #[test]
 fn cook_torrance_is_d_times_f_times_g() {
-    // A ramp whose gradient is the normal.
     let normal = DVec3::new(0.3, -0.2, -0.9).normalize();
-    let grid = centered([12; 3], DMat3::IDENTITY);
-    let volume = crate::simple::volume(grid, |place| 50.0 + 10.0 * normal.dot(place));
     let eye = DVec3::new(0.1, 0.2, -1.0).normalize();
     for to_light in [
         DVec3::new(0.7, 0.1, -0.6),
@@ -247,22 +313,12 @@ fn cook_torrance_is_d_times_f_times_g() {
     ] {
         let light = to_light.normalize();
         for (roughness, reflectance) in [(0.1f32, 0.04f32), (0.4, 0.3), (1.0, 0.9)] {
-            let mut plan = plan(&volume, parallel(-eye, 40.0, 2.0), white(1.0, 1.0));
-            (plan.width, plan.height) = (3, 3);
-            one_sample_at(&mut plan, 0.0);
-            plan.lights = vec![PlanLight::Directional {
-                to_light: light,
-                radiance: [0.8, 0.5, 0.2],
-            }];
-            plan.technique_mut().shade = Shade::Lit {
-                ambient: 0.1,
-                illuminate: Illuminate::CookTorrance {
-                    diffuse: 0.6,
-                    roughness,
-                    reflectance,
-                },
-                keep_last_normal: false,
+            let model = Illuminate::CookTorrance {
+                diffuse: 0.6,
+                roughness,
+                reflectance,
             };
+            let (volume, plan) = lit_ramp([normal, eye, light], white(1.0, 1.0), model);
             let alpha2 = f64::from(roughness).powi(4);
             let half = (light + eye).normalize();
             let [nl, nv, nh, lh] = [
@@ -282,14 +338,14 @@ fn cook_torrance_is_d_times_f_times_g() {
             let f = f0 + (1.0 - f0) * (1.0 - lh).powi(5);
             let mirrored = d * f * g / (4.0 * nl * nv);
             for (renderer, _, _, pixel) in draw(&volume, &plan) {
-                for (c, radiance) in [0.8, 0.5, 0.2].into_iter().enumerate() {
+                for (found, radiance) in pixel.into_iter().zip(RADIANCE) {
                     let expected = match nl > 0.0 {
-                        true => 0.1 + radiance * nl * (0.6 + mirrored),
+                        true => 0.1 + f64::from(radiance) * nl * (0.6 + mirrored),
                         false => 0.1,
                     };
                     near(
                         &format!("{renderer} {roughness} {light}"),
-                        pixel[c],
+                        found,
                         expected,
                         2e-3 * expected.max(1.0),
                     );

@@ -28,15 +28,15 @@ fn drawn(data: &Datasets, plan: &Plan) -> Vec<(&'static str, Image)> {
 
 /// What has been seen in front of a sample, and how important it is.
 #[derive(Clone, Copy, Default)]
-struct Seen {
-    color: [f64; 3],
-    alpha: f64,
+pub struct Seen {
+    pub color: [f64; 3],
+    pub alpha: f64,
     importance: f64,
 }
 
 impl Seen {
     /// Section 4 of the paper, equation by equation; `color` is premultiplied.
-    fn add(&mut self, color: [f64; 3], opacity: f64, importance: f64) {
+    pub fn add(&mut self, color: [f64; 3], opacity: f64, importance: f64) {
         if opacity == 0.0 {
             return;
         }

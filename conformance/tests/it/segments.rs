@@ -683,9 +683,10 @@ fn context_is_kept_by_what_covers_a_sample_in_its_run_or_on_its_ray() {
             let rendered = renderer.render(&plan, &Control::NONE).unwrap();
             drawn.push(rendered.image.pixel(0, 0));
         }
-        for pixel in drawn {
-            let off = (f64::from(pixel[3]) - before).abs();
-            assert!(off < 2e-5, "{covered_by}: {} instead of {before}", pixel[3]);
+        // White: the color, premultiplied, is the opacity.
+        for found in drawn.into_iter().flat_map(|pixel| [pixel[0], pixel[3]]) {
+            let off = (f64::from(found) - before).abs();
+            assert!(off < 2e-5, "{covered_by}: {found} instead of {before}");
         }
         seen.push(before);
     }

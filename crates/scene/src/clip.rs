@@ -612,7 +612,7 @@ fn plan_mask(
     if mask >= MOST_MASKS {
         checker.add(
             path,
-            "one mask more",
+            format!("mask number {}", mask + 1),
             &format!("at most {MOST_MASKS} masks in one picture; one mask can have several labels"),
         );
         return None;

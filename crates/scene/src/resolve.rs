@@ -60,12 +60,17 @@ impl Scene {
         check_volumes(1 + objects.filter(|o| o.is_volume()).count(), &mut checker);
         let clips = self.clips.iter().flatten();
         let masks = clips.filter(|clip| matches!(clip, Clip::Mask(_))).count();
-        let masks = masks + usize::from(self.importance.is_some());
+        let (masks, counted) = match self.importance {
+            Some(_) => (masks + 1, ", counting `importance`"),
+            None => (masks, ""),
+        };
         if masks > MOST_MASKS {
             checker.add(
                 "clips",
-                format!("{masks} masks"),
-                &format!("at most {MOST_MASKS} masks in one picture"),
+                format!("{masks} masks{counted}"),
+                &format!(
+                    "at most {MOST_MASKS} masks in one picture; one mask can have several labels"
+                ),
             );
         }
         Problems::none_of(in_order_of_keys(checker.problems))

@@ -8,8 +8,8 @@ use strahl_scene::{Scene, visibility::dropped};
 use strahl_volume::bricks::{Bricks, BricksKey};
 use strahl_volume::{Control, Datasets, Grid};
 
-/// Cells along the edge of a brick, as renderers have them.
-const EDGE: usize = 8;
+/// Cells along the edge of a brick, as linked programs have them.
+const EDGE: usize = Bricks::EDGE;
 
 /// A note for every volume of which the clips of the scene certainly leave nothing.
 ///

@@ -52,7 +52,7 @@ impl fmt::Display for Note {
             Note::ClippedAway { object } => {
                 write!(
                     f,
-                    "the clips leave nothing of {object}: does a clip or mask lie elsewhere?"
+                    "the clips leave nothing of {object}; check the places, `keep` and `objects` of `clips`"
                 )
             }
             Note::Empty { why } => {
