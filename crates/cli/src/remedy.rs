@@ -84,7 +84,9 @@ fn of_gpu(error: &gpu::Error) -> Option<String> {
 fn of_volume(remedy: Remedy) -> String {
     match remedy {
         Remedy::Series => "pick one with --series N".to_owned(),
-        Remedy::Component => "pick one with --component K (colors: or luminance)".to_owned(),
+        Remedy::Component => {
+            "pick one with --component K, or --component luminance for colors".to_owned()
+        }
         Remedy::Memory => "--max-memory BYTES allows more".to_owned(),
         Remedy::Spacing => "give --spacing X,Y,Z in mm".to_owned(),
         Remedy::AllowGaps => "--allow-gaps resamples to evenly spaced slices".to_owned(),

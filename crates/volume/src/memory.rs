@@ -1,4 +1,4 @@
-//! Memory that may not be there: large vectors are asked for, and a system that has no room is an error.
+//! Large vectors. Where the system has no memory for one, that is an error.
 
 use crate::error::{Error, ErrorKind};
 use bytemuck::Zeroable;
@@ -9,10 +9,27 @@ use bytemuck::Zeroable;
 /// [`ErrorKind::NoMemory`].
 pub(crate) fn reserved<T>(count: usize) -> Result<Vec<T>, Error> {
     let mut list = Vec::new();
-    match list.try_reserve_exact(count) {
-        Ok(()) => Ok(list),
-        Err(_) => Err(no_memory::<T>(count)),
-    }
+    reserve(&mut list, count)?;
+    Ok(list)
+}
+
+/// Makes room for exactly `additional` more elements.
+///
+/// # Errors
+/// [`ErrorKind::NoMemory`].
+pub(crate) fn reserve<T>(list: &mut Vec<T>, additional: usize) -> Result<(), Error> {
+    list.try_reserve_exact(additional)
+        .map_err(|_| no_memory::<T>(additional))
+}
+
+/// Makes room for `additional` more elements, and for more to come.
+///
+/// # Errors
+/// [`ErrorKind::NoMemory`].
+#[cfg(any(feature = "dicom", feature = "tiff"))]
+pub(crate) fn grow<T>(list: &mut Vec<T>, additional: usize) -> Result<(), Error> {
+    list.try_reserve(additional)
+        .map_err(|_| no_memory::<T>(additional))
 }
 
 /// `count` times `value`.

@@ -190,3 +190,22 @@ macro_rules! with_samples {
         }
     };
 }
+
+/// Runs the body with a name bound to the type of samples that a [`SampleType`] stands for.
+macro_rules! with_type {
+    ($sample_type:expr, $name:ident => $body:expr) => {
+        $crate::samples::with_type!(
+            @ $sample_type, $name, $body,
+            U8 u8 I8 i8 U16 u16 I16 i16 U32 u32 I32 i32 F32 f32 F64 f64
+        )
+    };
+    (@ $sample_type:expr, $name:ident, $body:expr, $($variant:ident $type:ident)*) => {
+        match $sample_type {
+            $($crate::SampleType::$variant => {
+                type $name = $type;
+                $body
+            })*
+        }
+    };
+}
+pub(crate) use with_type;

@@ -8,6 +8,7 @@
 
 use super::Bytes;
 use crate::error::{Error, ErrorKind};
+use crate::memory::reserve;
 use crate::{Sample, SampleType, Samples, cores, with_samples};
 use flate2::bufread::{GzDecoder, ZlibDecoder};
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
@@ -399,45 +400,6 @@ pub(crate) fn decoder<'a>(
 /// Bytes of `count` samples.
 pub(crate) fn bytes_of(count: usize, sample_type: SampleType) -> u64 {
     (count as u64).saturating_mul(sample_type.size() as u64)
-}
-
-/// Reserves room for exactly `additional` more elements.
-///
-/// # Errors
-/// [`ErrorKind::NoMemory`].
-pub(crate) fn reserve<T>(into: &mut Vec<T>, additional: usize) -> Result<(), Error> {
-    into.try_reserve_exact(additional).map_err(|_| {
-        ErrorKind::NoMemory {
-            bytes: (additional as u64).saturating_mul(size_of::<T>() as u64),
-        }
-        .into()
-    })
-}
-
-/// Reserves room for `additional` more elements, and for more to come.
-///
-/// # Errors
-/// [`ErrorKind::NoMemory`].
-#[cfg(feature = "dicom")]
-pub(crate) fn grow<T>(into: &mut Vec<T>, additional: usize) -> Result<(), Error> {
-    into.try_reserve(additional).map_err(|_| {
-        ErrorKind::NoMemory {
-            bytes: (additional as u64).saturating_mul(size_of::<T>() as u64),
-        }
-        .into()
-    })
-}
-
-/// As many zeros.
-///
-/// # Errors
-/// [`ErrorKind::NoMemory`].
-#[cfg(feature = "dicom")]
-pub(crate) fn zeroed<T: Clone + Default>(number: usize) -> Result<Vec<T>, Error> {
-    let mut zeros = Vec::new();
-    reserve(&mut zeros, number)?;
-    zeros.resize(number, T::default());
-    Ok(zeros)
 }
 
 /// The bytes of a file from a position on, as a stream.

@@ -13,12 +13,11 @@
 //! Rows are filled up to 4 bytes. A palette whose entries are all gray gives gray pictures.
 
 use super::bit_fields::unpacked;
-use super::block::reserve;
 use super::components::{self, Meaning};
 use super::png::Picture;
 use super::{Bytes, ReadOptions};
 use crate::error::{Error, ErrorKind};
-use crate::{Grid, Samples};
+use crate::{Grid, Samples, memory};
 
 pub(crate) fn read(
     bytes: &dyn Bytes,
@@ -68,8 +67,10 @@ pub(crate) fn read(
         1..=8 => palette(bytes, 14 + u64::from(header_bytes), word(46), bits)?,
         _ => Vec::new(),
     };
-    let is_grey = bits <= 8 && palette.iter().all(|[r, g, b]| r == g && g == b);
-    let numbers = if is_grey { 1 } else { 3 };
+    let numbers = match bits {
+        1..=8 => components::of_palette(&palette).count,
+        _ => 3,
+    };
     let choice = components::choice(numbers, Meaning::Color, options, notes)?;
 
     let row_bytes = (dims[0] * bits as usize).div_ceil(32) * 4;
@@ -80,8 +81,7 @@ pub(crate) fn read(
     }
     let count = components::total(dims[0] * dims[1], numbers)?;
     bytes.has_room(count as u64)?;
-    let mut samples: Vec<u8> = Vec::new();
-    reserve(&mut samples, count)?;
+    let mut samples: Vec<u8> = memory::reserved(count)?;
     let mut row = vec![0; row_bytes];
     for y in 0..dims[1] {
         let stored = if is_downward { y } else { dims[1] - 1 - y };

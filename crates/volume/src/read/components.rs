@@ -24,6 +24,12 @@ impl Meaning {
     }
 }
 
+/// The numbers of a pixel whose color is one of a palette: one, if all of them are gray.
+pub(crate) fn of_palette<T: PartialEq>(colors: &[[T; 3]]) -> Components {
+    let are_gray = colors.iter().all(|[r, g, b]| r == g && g == b);
+    Meaning::Color.of(if are_gray { 1 } else { 3 })
+}
+
 /// Which number of a voxel is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Choice {

@@ -133,7 +133,7 @@ impl Header {
                 if !matches!(model.as_str(), "I" | "DENSITY" | "") {
                     return Err(ErrorKind::Unsupported {
                         feature: format!("`{key}: {value}`"),
-                        instead: "only grey values can be read (`I`); write one channel as a volume of its own".into(),
+                        instead: "only gray values can be read (`I`); write one channel as a volume of its own".into(),
                     }
                     .into());
                 }

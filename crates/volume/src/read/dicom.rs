@@ -27,10 +27,12 @@ mod tags;
 
 use super::block;
 use super::components::{self, Choice, Meaning};
+use super::input::Whole;
 use super::{Bytes, Files, Input, LoadedVolume, ReadOptions};
 use crate::cores;
 use crate::error::{Error, ErrorKind};
-use crate::{Grid, Metadata, Modality, Rescale, Sample, SampleType, Samples, Volume};
+use crate::samples::with_type;
+use crate::{Grid, Metadata, Modality, Rescale, Sample, SampleType, Samples, Volume, memory};
 use frames::Frame;
 use image::Image;
 use pixels::Source;
@@ -326,6 +328,7 @@ fn assemble(
         (reader.values(layout.sample_type)?, Rescale::IDENTITY)
     };
     if !stack.resampled.is_empty() {
+        reader.keep(grid.voxel_count(), samples.sample_type())?;
         samples = crate::with_samples!(&samples, s => resample(s, layout.frame_samples(), &stack.resampled)?);
     }
     notes.extend(stack.notes.iter().cloned());
@@ -518,45 +521,6 @@ struct Reader<'a> {
     choice: Choice,
 }
 
-macro_rules! with_type {
-    ($sample_type:expr, $type:ident => $body:expr) => {
-        match $sample_type {
-            SampleType::U8 => {
-                type $type = u8;
-                $body
-            }
-            SampleType::I8 => {
-                type $type = i8;
-                $body
-            }
-            SampleType::U16 => {
-                type $type = u16;
-                $body
-            }
-            SampleType::I16 => {
-                type $type = i16;
-                $body
-            }
-            SampleType::U32 => {
-                type $type = u32;
-                $body
-            }
-            SampleType::I32 => {
-                type $type = i32;
-                $body
-            }
-            SampleType::F32 => {
-                type $type = f32;
-                $body
-            }
-            SampleType::F64 => {
-                type $type = f64;
-                $body
-            }
-        }
-    };
-}
-
 impl Reader<'_> {
     /// The samples as they are stored.
     fn stored(&self, sample_type: SampleType) -> Result<Samples, Error> {
@@ -569,7 +533,7 @@ impl Reader<'_> {
     fn values(&self, sample_type: SampleType) -> Result<Samples, Error> {
         with_type!(sample_type, T => {
             self.fill::<f32>(|source, frame, values| {
-                let mut stored = vec![<T as bytemuck::Zeroable>::zeroed(); values.len()];
+                let mut stored = memory::zeroed::<T>(values.len())?;
                 source.read(frame.frame, &mut stored)?;
                 for (value, stored) in values.iter_mut().zip(stored) {
                     *value = frame.rescale.value(stored.to_f64()) as f32;
@@ -579,17 +543,20 @@ impl Reader<'_> {
         })
     }
 
+    /// Asks for memory for samples that stay.
+    fn keep(&self, count: usize, sample_type: SampleType) -> Result<(), Error> {
+        let bytes = self.files.open(&self.images[self.slices[0].image].name)?;
+        bytes.keep(block::bytes_of(count, sample_type))
+    }
+
     fn fill<T: Sample>(
         &self,
         read: impl Fn(&Source, &Frame, &mut [T]) -> Result<(), Error> + Sync,
     ) -> Result<Samples, Error> {
         let frame_samples = self.slices[0].layout.frame_samples();
-        let name = &self.images[self.slices[0].image].name;
         let count = frame_samples.saturating_mul(self.slices.len());
-        self.files
-            .open(name)?
-            .keep(block::bytes_of(count, T::TYPE))?;
-        let mut samples = zeroed::<T>(frame_samples.checked_mul(self.slices.len()))?;
+        self.keep(count, T::TYPE)?;
+        let mut samples = memory::zeroed::<T>(count)?;
         let mut by_image: BTreeMap<usize, Vec<(&Frame, &mut [T])>> = BTreeMap::new();
         for (frame, into) in self
             .slices
@@ -620,10 +587,9 @@ impl Reader<'_> {
         let frame = parts[0].0;
         let layout = frame.tile.map_or(frame.layout, |tile| tile.picture);
         let frames = image.frames()?;
-        let inflated;
-        let bytes: &dyn Bytes = if image.elements.syntax.is_deflated {
+        let bytes: Box<dyn Bytes + '_> = if image.elements.syntax.is_deflated {
             let end = image.pixels.offset + layout.frame_bytes() * frames as u64;
-            inflated = elements::inflate(&*bytes, image.elements.set_offset, end)?;
+            let inflated = elements::inflate(&*bytes, image.elements.set_offset, end)?;
             if (inflated.len() as u64) < end {
                 return Err(ErrorKind::Truncated {
                     what: "the deflated pixel data".into(),
@@ -632,20 +598,23 @@ impl Reader<'_> {
                 }
                 .into());
             }
-            &inflated
+            Box::new(Whole {
+                bytes: inflated,
+                file: bytes,
+            })
         } else {
-            &*bytes
+            bytes
         };
         let source = Source::new(
             &image.elements,
             image.pixels,
             &layout,
             frames,
-            bytes,
+            &*bytes,
             self.choice,
         )?;
         if frame.tile.is_some() {
-            let mut picture = zeroed::<T>(Some(layout.frame_samples()))?;
+            let mut picture = memory::zeroed::<T>(layout.frame_samples())?;
             read(&source, frame, &mut picture)?;
             for (frame, samples) in parts {
                 copy_tile(frame, &picture, samples);
@@ -676,21 +645,13 @@ fn copy_tile<T: Sample>(frame: &Frame, picture: &[T], into: &mut [T]) {
     }
 }
 
-/// Memory that the system clears when it is touched.
-fn zeroed<T: Sample>(count: Option<usize>) -> Result<Vec<T>, Error> {
-    let no_memory = |bytes| Error::from(ErrorKind::NoMemory { bytes });
-    let count = count.ok_or_else(|| no_memory(u64::MAX))?;
-    bytemuck::allocation::try_zeroed_vec(count)
-        .map_err(|()| no_memory((count as u64).saturating_mul(size_of::<T>() as u64)))
-}
-
 /// Slices on an even grid, between those that are there.
 fn resample<T: Sample>(
     samples: &[T],
     frame_samples: usize,
     places: &[(usize, f64)],
 ) -> Result<Samples, Error> {
-    let mut even = zeroed::<T>(frame_samples.checked_mul(places.len()))?;
+    let mut even = memory::zeroed::<T>(frame_samples.saturating_mul(places.len()))?;
     let slice = |i: usize| &samples[i * frame_samples..(i + 1) * frame_samples];
     for (into, (below, part)) in even.chunks_exact_mut(frame_samples).zip(places) {
         for ((into, low), high) in into.iter_mut().zip(slice(*below)).zip(slice(below + 1)) {
@@ -782,7 +743,7 @@ fn metadata(
         let text = window.text(tag)?;
         text.split('\\').next().map(|part| part.trim().to_owned())
     };
-    entry("window centre", first(tags::WINDOW_CENTER));
+    entry("window center", first(tags::WINDOW_CENTER));
     entry("window width", first(tags::WINDOW_WIDTH));
     if let Some(padding) = set.u16(tags::PIXEL_PADDING_VALUE) {
         let value = match set.u16(tags::PIXEL_REPRESENTATION) {

@@ -2,9 +2,9 @@
 
 use super::components::{self, Meaning};
 use super::png::Picture;
-use super::{Bytes, ReadOptions, block};
+use super::{Bytes, ReadOptions};
 use crate::error::{Error, ErrorKind};
-use crate::{Grid, Samples};
+use crate::{Grid, Samples, memory};
 use jpeg_decoder::{CodingProcess, Decoder, PixelFormat};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -18,9 +18,7 @@ pub(crate) fn read(
     notes: &mut Vec<String>,
 ) -> Result<Picture, Error> {
     bytes.has_room(bytes.len())?;
-    let mut packed: Vec<u8> = Vec::new();
-    block::reserve(&mut packed, bytes.len() as usize)?;
-    packed.resize(bytes.len() as usize, 0);
+    let mut packed: Vec<u8> = memory::zeroed(bytes.len() as usize)?;
     bytes.read_at(0, &mut packed)?;
     // The decoder is not ours: a panic of it says that the data is damaged.
     let (dims, format, decoded) = catch_unwind(AssertUnwindSafe(|| decode(bytes, &packed)))
@@ -31,7 +29,7 @@ pub(crate) fn read(
         _ => {
             return Err(ErrorKind::Unsupported {
                 feature: format!("a JPEG picture of {format:?}"),
-                instead: "convert it to grey or RGB of 8 bits".into(),
+                instead: "convert it to gray or RGB of 8 bits".into(),
             }
             .into());
         }

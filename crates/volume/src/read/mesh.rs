@@ -23,6 +23,7 @@ use super::watched::{Watched, uncancelled};
 use super::{Bytes, Files};
 use crate::Control;
 use crate::error::{Error, ErrorKind};
+use crate::memory;
 use crate::mesh::Mesh;
 use glam::{DAffine3, DVec3};
 use surface::Surface;
@@ -83,13 +84,10 @@ pub fn read_mesh_under(
 
 /// All bytes: unlike samples, none of them stays as it is. The length is that of the file.
 fn whole(bytes: &dyn Bytes) -> Result<Vec<u8>, Error> {
-    let no_memory = || ErrorKind::NoMemory { bytes: bytes.len() };
     // The corners of a mesh take about as much again.
     bytes.has_room(bytes.len().saturating_mul(2))?;
-    let length = usize::try_from(bytes.len()).map_err(|_| no_memory())?;
-    let mut all = Vec::new();
-    all.try_reserve_exact(length).map_err(|_| no_memory())?;
-    all.resize(length, 0);
+    let length = usize::try_from(bytes.len()).unwrap_or(usize::MAX);
+    let mut all = memory::zeroed(length)?;
     bytes.read_at(0, &mut all)?;
     Ok(all)
 }

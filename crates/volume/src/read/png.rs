@@ -4,10 +4,10 @@
 use super::Bytes;
 use super::ReadOptions;
 use super::bit_fields::unpacked;
-use super::block::{ByteReader, Endian, reserve, to_native};
+use super::block::{ByteReader, Endian, to_native};
 use super::components::{self, Meaning};
 use crate::error::{Error, ErrorKind};
-use crate::{Components, Grid, Samples};
+use crate::{Components, Grid, Samples, memory};
 use png::{BitDepth, ColorType, DecodingError, Transformations};
 use std::io::{self, BufReader};
 
@@ -76,16 +76,12 @@ pub(crate) fn read(
     bytes.has_room(2 * count as u64)?;
     let samples = match depth {
         _ if color_type == ColorType::Indexed => {
-            let mut samples: Vec<u8> = Vec::new();
-            reserve(&mut samples, count)?;
-            samples.resize(count, 0);
+            let mut samples: Vec<u8> = memory::zeroed(count)?;
             reader.next_frame(&mut samples).map_err(fail)?;
             Samples::U8(samples)
         }
         BitDepth::Sixteen => {
-            let mut samples: Vec<u16> = Vec::new();
-            reserve(&mut samples, count)?;
-            samples.resize(count, 0);
+            let mut samples: Vec<u16> = memory::zeroed(count)?;
             reader
                 .next_frame(bytemuck::cast_slice_mut(&mut samples))
                 .map_err(fail)?;
@@ -93,13 +89,11 @@ pub(crate) fn read(
             Samples::U16(samples)
         }
         depth => {
-            let mut packed: Vec<u8> = Vec::new();
-            reserve(&mut packed, picture_bytes as usize)?;
-            packed.resize(picture_bytes as usize, 0);
+            let mut packed: Vec<u8> = memory::zeroed(picture_bytes as usize)?;
             reader.next_frame(&mut packed).map_err(fail)?;
             if depth != BitDepth::Eight {
                 let rows = std::mem::take(&mut packed);
-                reserve(&mut packed, count)?;
+                memory::reserve(&mut packed, count)?;
                 for row in rows.chunks_exact(row_bytes) {
                     packed.extend(unpacked(row, depth as u32, dims[0]).map(|n| n as u8));
                 }

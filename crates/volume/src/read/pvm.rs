@@ -17,7 +17,7 @@ mod dds;
 use super::block::{Block, Endian};
 use super::{Bytes, Input, LoadedVolume, ReadOptions, unoriented};
 use crate::error::{Error, ErrorKind};
-use crate::{Metadata, Rescale, SampleType, Samples, Volume, voxel_count};
+use crate::{Metadata, Rescale, SampleType, Samples, Volume, memory, voxel_count};
 use dds::Stream;
 
 /// No header is longer: the writers print it into 256 bytes.
@@ -257,13 +257,11 @@ impl<'a> Content<'a> {
                 let mut wide = Vec::new();
                 let bytes: &mut [u8] = match header.sample_type {
                     SampleType::U8 => {
-                        super::block::reserve(&mut small, count)?;
-                        small.resize(count, 0u8);
+                        small = memory::zeroed::<u8>(count)?;
                         &mut small
                     }
                     _ => {
-                        super::block::reserve(&mut wide, count)?;
-                        wide.resize(count, 0u16);
+                        wide = memory::zeroed::<u16>(count)?;
                         bytemuck::cast_slice_mut(&mut wide)
                     }
                 };

@@ -7,7 +7,7 @@ use super::sniff::{self, Kind};
 use super::{Bytes, Files, Input, LoadedVolume, ReadOptions, block, bmp, png, unoriented};
 use crate::cores;
 use crate::error::{Error, ErrorKind};
-use crate::{Components, Metadata, Rescale, Samples, Volume};
+use crate::{Components, Metadata, Rescale, Samples, Volume, memory};
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
@@ -72,7 +72,7 @@ pub(crate) fn read_pictures(
         .open(&names[0])?
         .keep(slice_bytes.saturating_mul(names.len() as u64))?;
     crate::with_samples!(&mut all.samples, s => {
-        block::reserve(s, slice_samples.saturating_mul(names.len() - 1))
+        memory::reserve(s, slice_samples.saturating_mul(names.len() - 1))
     })?;
     // Enough at a time to keep all cores busy, few enough to take little memory.
     for batch in names[1..].chunks(32) {

@@ -1,9 +1,9 @@
 //! Number types that files have and volumes have not: 64-bit whole numbers and half floats. They are read as the
 //! bits they are and then turned into the narrowest type that holds them.
 
-use super::{Bytes, block};
+use super::Bytes;
 use crate::error::{Error, ErrorKind};
-use crate::{SampleType, Samples};
+use crate::{SampleType, Samples, memory};
 
 /// How a number is stored in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -99,8 +99,7 @@ impl Stored {
 }
 
 fn converted<T, U>(from: &[T], convert: impl Fn(&T) -> U) -> Result<Vec<U>, Error> {
-    let mut into = Vec::new();
-    block::reserve(&mut into, from.len())?;
+    let mut into = memory::reserved(from.len())?;
     into.extend(from.iter().map(convert));
     Ok(into)
 }

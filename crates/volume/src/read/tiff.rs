@@ -26,7 +26,7 @@ use super::components::{self, Choice, Meaning};
 use super::stored::Stored;
 use super::{Bytes, Input, LoadedVolume, ReadOptions, unoriented};
 use crate::error::{Error, ErrorKind};
-use crate::{Components, Grid, Metadata, Modality, Rescale, SampleType, Samples, Volume};
+use crate::{Components, Grid, Metadata, Modality, Rescale, SampleType, Samples, Volume, memory};
 use description::{Description, Writer};
 use directory::{Directories, Page, Photometric};
 use palette::Palette;
@@ -271,7 +271,7 @@ fn reserve(samples: &mut Samples, grid: &Grid, file: &Directories) -> Result<(),
     let count = grid
         .voxel_count()
         .min(usize::try_from(likely).unwrap_or(usize::MAX));
-    crate::with_samples!(samples, s => block::reserve(s, count))
+    crate::with_samples!(samples, s => memory::reserve(s, count))
 }
 
 /// Where the images of a file lie.

@@ -8,6 +8,7 @@ use super::input::Whole;
 use super::sniff::{self, Kind};
 use super::{Bytes, Input, LoadedVolume};
 use crate::error::Error;
+use crate::memory;
 use std::io::{self, Read};
 use std::sync::Mutex;
 
@@ -121,9 +122,7 @@ impl Unpacked<'_> {
             ));
         }
         self.packed.has_room(self.len)?;
-        let mut all = Vec::new();
-        block::reserve(&mut all, self.len as usize)?;
-        all.resize(self.len as usize, 0);
+        let mut all = memory::zeroed(self.len as usize)?;
         self.read_at(0, &mut all)?;
         Ok(all)
     }

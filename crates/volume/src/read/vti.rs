@@ -17,7 +17,7 @@ use super::components;
 use super::stored::Stored;
 use super::{Bytes, Input, LoadedVolume, ReadOptions, base64, unoriented, vtk, xml};
 use crate::error::{Error, ErrorKind};
-use crate::{Components, Grid, Metadata, Rescale, Samples, Volume};
+use crate::{Components, Grid, Metadata, Rescale, Samples, Volume, memory};
 use flate2::bufread::ZlibDecoder;
 use glam::{DMat3, DVec3};
 use std::io::Read;
@@ -109,9 +109,7 @@ impl File<'_> {
             ));
         }
         bytes.has_room(bytes.len())?;
-        let mut all = Vec::new();
-        block::reserve(&mut all, bytes.len() as usize)?;
-        all.resize(bytes.len() as usize, 0);
+        let mut all = memory::zeroed(bytes.len() as usize)?;
         bytes.read_at(0, &mut all)?;
         let mut file = File {
             source: bytes,

@@ -2,6 +2,7 @@
 
 use super::voxels::Voxels;
 use crate::error::Error;
+use crate::samples::with_type;
 use crate::{Rescale, Sample, SampleType, Volume, with_samples};
 use flate2::Compression;
 use flate2::write::{GzEncoder, ZlibEncoder};
@@ -20,21 +21,6 @@ const LEVEL: Compression = Compression::new(4);
 
 /// Samples are converted in pieces that stay in the cache.
 const PIECE: usize = 1 << 15;
-
-/// Runs the body with a name bound to the type of samples.
-macro_rules! with_type {
-    ($sample_type:expr, $name:ident => $body:expr) => {
-        with_type!(@ $sample_type, $name, $body, U8 u8 I8 i8 U16 u16 I16 i16 U32 u32 I32 i32 F32 f32 F64 f64)
-    };
-    (@ $sample_type:expr, $name:ident, $body:expr, $($variant:ident $type:ident)*) => {
-        match $sample_type {
-            $(SampleType::$variant => {
-                type $name = $type;
-                $body
-            })*
-        }
-    };
-}
 
 /// The type in which the values of a volume are written by formats without a rescale: the stored
 /// type if the rescale is identity, else the narrowest of whole numbers that holds them, else f32 or

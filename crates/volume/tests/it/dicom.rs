@@ -2,8 +2,11 @@
 
 use crate::{assert_affine, gzip, message, read, read_with};
 use glam::{DAffine3, DMat3, DVec3};
-use strahl_volume::read::{LoadedVolume, MemoryFiles, ReadOptions, read_file, read_folder};
-use strahl_volume::{Error, Samples};
+use std::io::Write;
+use strahl_volume::read::{
+    LoadedVolume, MemoryFiles, ReadOptions, read_file, read_file_under, read_folder,
+};
+use strahl_volume::{Control, Error, Remedy, Samples};
 
 /// Elements in explicit little endian, kept in rising order of their tags.
 #[derive(Clone, Default)]
@@ -397,8 +400,18 @@ fn indices_stand_for_colors_of_the_palette() {
     let labels = read_with(&[("a.dcm", &set.file())], &options).unwrap();
     assert_eq!(*labels.volume.samples(), Samples::U8(vec![0, 2, 3, 9]));
 
-    let short = palette([5, 1, 8], narrow);
+    let short = palette([5, 1, 8], narrow.clone());
     assert!(message(&[("a.dcm", &short.file())]).contains("of 5 numbers of 8 or 16 bits"));
+    let mut other = palette([3, 1, 8], narrow.clone());
+    other.shorts((0x28, 0x1103), b"US", &[3, 2, 8]);
+    let said = message(&[("a.dcm", &other.file())]);
+    for part in [
+        "BluePaletteColorLookupTableDescriptor (0028,1103)",
+        "3 numbers of 8 bits from index 2 on",
+        "that of red: 3 numbers of 8 bits from index 1 on",
+    ] {
+        assert!(said.contains(part), "{said}");
+    }
     let mut missing = palette([3, 1, 8], Default::default());
     missing
         .0
@@ -434,6 +447,28 @@ fn colors_that_are_not_read_are_named() {
     let set = color_image(4, 2, "RGB", 0);
     let jpeg_ls = packed("1.2.840.10008.1.2.4.80", &set, &[0; 64]);
     assert!(message(&[("a.dcm", &jpeg_ls)]).contains("color in JPEG-LS"));
+}
+
+/// Frames of colors are there as they are stored and in order, beside the samples that stay.
+#[test]
+fn colors_take_no_more_memory_than_they_may() {
+    let mut set = color_image(4, 2, "RGB", 0);
+    set.put(PIXELS, b"OB", &PIXELS_RGB.concat());
+    let plain = MemoryFiles::from([("a.dcm".to_owned(), set.file())]);
+    let mut encoder = flate2::write::DeflateEncoder::new(Vec::new(), flate2::Compression::fast());
+    encoder.write_all(&set.explicit()).unwrap();
+    let deflated = file_of("1.2.840.10008.1.2.1.99", &encoder.finish().unwrap());
+    let deflated = MemoryFiles::from([("a.dcm".to_owned(), deflated)]);
+    let needed = 8 + 8 * 2 * 3;
+    for files in [plain, deflated] {
+        let read = |bytes| {
+            let control = Control::new().with_memory(bytes);
+            read_file_under("a.dcm", &files, &ReadOptions::default(), &control)
+        };
+        let error = read(needed - 1).unwrap_err();
+        assert_eq!(error.remedy(), Some(Remedy::Memory), "{error}");
+        read(needed).unwrap();
+    }
 }
 
 /// A CSA header with text values, in version 1 or 2.
@@ -1254,9 +1289,29 @@ fn contours_that_are_in_no_slice_are_refused() {
         let error = read_with(&[("a.dcm", &set.file())], &spacing).unwrap_err();
         assert!(error.to_string().contains(part), "{error}");
     }
-    // Numbers that are no ids are replaced.
+    let component = ReadOptions {
+        component: Some(1),
+        ..spacing.clone()
+    };
     let square = rectangle([0.0, 2.0], [0.0, 2.0], 0.0);
     let contours = [("CLOSED_PLANAR", square.as_str())];
+    let set = structure_set("1.2.3", &[("1", "a", "", "", &contours)]);
+    let error = read_with(&[("a.dcm", &set.file())], &component).unwrap_err();
+    assert!(error.to_string().contains("one number"), "{error}");
+    // More structures than there are ids.
+    let many = vec![("1", "a", "", "", &contours[..]); 65536];
+    let set = structure_set("1.2.3", &many);
+    let error = read_with(&[("a.dcm", &set.file())], &spacing).unwrap_err();
+    assert!(error.to_string().contains("of 65536 structures"), "{error}");
+    // As many structures on the same voxels as no set has.
+    let many = vec![("1", "a", "", "", &contours[..]); 200];
+    let set = structure_set("1.2.3", &many);
+    let error = read_with(&[("a.dcm", &set.file())], &spacing).unwrap_err();
+    assert!(
+        error.to_string().contains("voxels in all structures"),
+        "{error}"
+    );
+    // Numbers that are no ids are replaced.
     let structures = [("0", "a", "", "", &contours[..]), ("-4", "b", "", "", &[])];
     let set = structure_set("1.2.3", &structures);
     let loaded = read_with(&[("a.dcm", &set.file())], &spacing).unwrap();

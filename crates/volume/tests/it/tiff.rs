@@ -909,3 +909,27 @@ fn indices_stand_for_the_colors_of_their_palette() {
     };
     assert_eq!(values(vec![page], &green).unwrap(), [0.0, 237.0]);
 }
+
+/// A page whose indices are larger than the palette that it shares with the first page.
+#[test]
+fn indices_beyond_a_shared_palette_are_refused() {
+    let palette: Vec<u64> = (0..12).collect();
+    let wide = Page::new(4, 1, 8, 1, &[0, 3, 4, 255])
+        .set(262, SHORT, &[3])
+        .set(320, SHORT, &palette);
+    let mut file = Tiff::new(vec![indices(&palette), wide]).bytes();
+    // ColorMap in both directories: tag, type, number of colors, place.
+    let entry = [0x40, 1, 3, 0, 12, 0, 0, 0];
+    let places: Vec<usize> = (0..file.len() - 12)
+        .filter(|at| file[*at..].starts_with(&entry))
+        .collect();
+    let [first, second] = places[..] else {
+        panic!("{places:?}");
+    };
+    file.copy_within(first + 8..first + 12, second + 8);
+    let said = message(&[("v.tif", &file)]);
+    assert!(
+        said.contains("ColorMap of page 2 is of 12 numbers") && said.contains("of 768 numbers"),
+        "{said}"
+    );
+}

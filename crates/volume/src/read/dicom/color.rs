@@ -3,7 +3,7 @@
 use super::elements::DataSet;
 use super::tags::{self, Tag, field_name, missing};
 use crate::error::{Error, ErrorKind};
-use crate::read::components::Meaning;
+use crate::read::components::{self, Meaning};
 use crate::{Components, Sample, SampleType};
 
 /// What the stored numbers of a pixel are.
@@ -25,10 +25,10 @@ pub(super) enum Color {
     Ybr422,
     /// One number: an index of a palette.
     Palette {
-        /// The type of an index.
-        index: SampleType,
-        /// Whether the palette has shades of gray only.
-        is_gray: bool,
+        /// The type of its colors.
+        sample_type: SampleType,
+        /// The numbers of a color.
+        components: Components,
     },
 }
 
@@ -56,10 +56,13 @@ impl Color {
         Ok(match (photometric, samples) {
             (None | Some("MONOCHROME1" | "MONOCHROME2"), 1) => Color::Gray,
             (Some("PALETTE COLOR"), 1) if keeps_indices => Color::Gray,
-            (Some("PALETTE COLOR"), 1) => Color::Palette {
-                index: SampleType::U8,
-                is_gray: Palette::of(set)?.is_gray(),
-            },
+            (Some("PALETTE COLOR"), 1) => {
+                let palette = Palette::of(set)?;
+                Color::Palette {
+                    sample_type: palette.sample_type,
+                    components: components::of_palette(&palette.colors),
+                }
+            }
             // JPEG 2000 undoes the two transforms itself.
             (Some("RGB" | "YBR_ICT" | "YBR_RCT"), 3) => Color::Rgb { is_planar },
             (Some("YBR_FULL"), 3) => Color::Ybr { is_planar },
@@ -80,10 +83,11 @@ impl Color {
 
     /// What a pixel is, once it is decoded.
     pub(super) fn components(self) -> Components {
-        Meaning::Color.of(match self {
-            Color::Gray | Color::Palette { is_gray: true, .. } => 1,
-            _ => 3,
-        })
+        match self {
+            Color::Gray => Components::default(),
+            Color::Palette { components, .. } => components,
+            Color::Rgb { .. } | Color::Ybr { .. } | Color::Ybr422 => Meaning::Color.of(3),
+        }
     }
 
     /// Stored numbers of a pixel that are decoded.
@@ -141,43 +145,35 @@ impl Palette {
     /// # Errors
     /// Tables that are not there, segmented ones, or such that do not fit together.
     pub(super) fn of(set: &DataSet) -> Result<Palette, Error> {
-        let mut tables = Vec::new();
-        for (descriptor, data, segmented) in [
-            (
-                tags::RED_PALETTE_DESCRIPTOR,
-                tags::RED_PALETTE_DATA,
-                tags::SEGMENTED_RED_PALETTE_DATA,
-            ),
-            (
-                tags::GREEN_PALETTE_DESCRIPTOR,
-                tags::GREEN_PALETTE_DATA,
-                tags::SEGMENTED_GREEN_PALETTE_DATA,
-            ),
-            (
-                tags::BLUE_PALETTE_DESCRIPTOR,
-                tags::BLUE_PALETTE_DATA,
-                tags::SEGMENTED_BLUE_PALETTE_DATA,
-            ),
+        let red = Table::of(
+            set,
+            tags::RED_PALETTE_DESCRIPTOR,
+            tags::RED_PALETTE_DATA,
+            tags::SEGMENTED_RED_PALETTE_DATA,
+        )?;
+        let green = Table::of(
+            set,
+            tags::GREEN_PALETTE_DESCRIPTOR,
+            tags::GREEN_PALETTE_DATA,
+            tags::SEGMENTED_GREEN_PALETTE_DATA,
+        )?;
+        let blue = Table::of(
+            set,
+            tags::BLUE_PALETTE_DESCRIPTOR,
+            tags::BLUE_PALETTE_DATA,
+            tags::SEGMENTED_BLUE_PALETTE_DATA,
+        )?;
+        for (descriptor, table) in [
+            (tags::GREEN_PALETTE_DESCRIPTOR, &green),
+            (tags::BLUE_PALETTE_DESCRIPTOR, &blue),
         ] {
-            if set.bytes(data).is_none() && set.bytes(segmented).is_some() {
-                return Err(ErrorKind::Unsupported {
-                    feature: format!("a palette in segments ({})", field_name(segmented)),
-                    instead: "save the images in RGB".into(),
-                }
-                .into());
+            if table.shape() != red.shape() {
+                return Err(Error::field(
+                    field_name(descriptor),
+                    table.shape(),
+                    format!("that of red: {}", red.shape()),
+                ));
             }
-            tables.push(Table::of(set, descriptor, data)?);
-        }
-        let [red, green, blue] = &tables[..] else {
-            return Err(missing(tags::RED_PALETTE_DATA, "three tables of colors"));
-        };
-        let shape = |table: &Table| (table.first, table.colors.len(), table.is_wide);
-        if shape(red) != shape(green) || shape(red) != shape(blue) {
-            return Err(Error::field(
-                field_name(tags::GREEN_PALETTE_DESCRIPTOR),
-                format!("{:?}", set.u16s(tags::GREEN_PALETTE_DESCRIPTOR)),
-                "that of red and blue",
-            ));
         }
         let colors = red.colors.iter().zip(&green.colors).zip(&blue.colors);
         Ok(Palette {
@@ -188,10 +184,6 @@ impl Palette {
                 false => SampleType::U8,
             },
         })
-    }
-
-    fn is_gray(&self) -> bool {
-        self.colors.iter().all(|[r, g, b]| r == g && g == b)
     }
 
     /// The color of an index.
@@ -210,7 +202,14 @@ struct Table {
 }
 
 impl Table {
-    fn of(set: &DataSet, descriptor: Tag, data: Tag) -> Result<Table, Error> {
+    fn of(set: &DataSet, descriptor: Tag, data: Tag, segmented: Tag) -> Result<Table, Error> {
+        if set.bytes(data).is_none() && set.bytes(segmented).is_some() {
+            return Err(ErrorKind::Unsupported {
+                feature: format!("a palette in segments ({})", field_name(segmented)),
+                instead: "save the images in RGB".into(),
+            }
+            .into());
+        }
         let described = set.u16s(descriptor);
         let Some([entries, first, _]) = described.as_deref().and_then(|all| all.first_chunk())
         else {
@@ -247,5 +246,12 @@ impl Table {
             colors,
             is_wide,
         })
+    }
+
+    /// What the tables of the three colors have in common.
+    fn shape(&self) -> String {
+        let bits = if self.is_wide { 16 } else { 8 };
+        let (entries, first) = (self.colors.len(), self.first);
+        format!("{entries} numbers of {bits} bits from index {first} on")
     }
 }

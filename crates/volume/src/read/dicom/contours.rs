@@ -4,7 +4,7 @@
 //! nearest plane of contours, if that is within half the distance of planes.
 
 use crate::error::{Error, ErrorKind};
-use crate::read::block;
+use crate::memory;
 use glam::DVec2;
 use std::ops::Range;
 
@@ -127,7 +127,7 @@ fn crossings(plane: &Plane, dims: [usize; 3]) -> Result<Vec<(usize, f64)>, Error
                 }
                 .into());
             }
-            block::grow(&mut crossings, rows.len())?;
+            memory::grow(&mut crossings, rows.len())?;
             let slope = (high.x - low.x) / (high.y - low.y);
             crossings.extend(rows.map(|y| (y, low.x + slope * (y as f64 - low.y))));
         }

@@ -6,8 +6,8 @@ use super::syntax::{CONVERT, Packing};
 use super::tags::{self, Tag, field_name, missing};
 use super::{jpeg_lossless, jpeg_ls, rle};
 use crate::error::{Error, ErrorKind, Remedy};
+use crate::memory::zeroed;
 use crate::read::Bytes;
-use crate::read::block::zeroed;
 use crate::read::components::{self, Choice};
 use crate::{Components, Sample, SampleType};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -17,7 +17,9 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 pub(super) struct Layout {
     pub(super) columns: usize,
     pub(super) rows: usize,
-    /// The type that a stored sample gets in memory.
+    /// The type of a number as it is stored.
+    stored_type: SampleType,
+    /// The type of a number that is read. That of indices is the type of their colors.
     pub(super) sample_type: SampleType,
     /// What the stored numbers of a pixel are.
     color: Color,
@@ -51,88 +53,33 @@ impl Layout {
                 .u16(tags::BITS_ALLOCATED)
                 .ok_or_else(|| missing(tags::BITS_ALLOCATED, "8, 16 or 32"))?,
         };
-        let is_signed = match set.u16(tags::PIXEL_REPRESENTATION) {
-            None | Some(0) => false,
-            Some(1) => true,
-            Some(n) => {
-                return Err(Error::field(
-                    field_name(tags::PIXEL_REPRESENTATION),
-                    n,
-                    "0 (unsigned) or 1 (signed)",
-                ));
-            }
-        };
-        let sample_type = match (pixels.tag, allocated, is_signed) {
-            (tags::FLOAT_PIXEL_DATA, ..) => SampleType::F32,
-            (tags::DOUBLE_FLOAT_PIXEL_DATA, ..) => SampleType::F64,
-            (_, 8, false) => SampleType::U8,
-            (_, 8, true) => SampleType::I8,
-            (_, 16, false) => SampleType::U16,
-            (_, 16, true) => SampleType::I16,
-            (_, 32, false) => SampleType::U32,
-            (_, 32, true) => SampleType::I32,
-            (_, 1, _) => {
-                return Err(ErrorKind::Unsupported {
-                    feature: "a DICOM file of 1-bit pixels (a segmentation)".into(),
-                    instead: "convert it to .seg.nrrd or a NIfTI label volume".into(),
-                }
-                .into());
-            }
-            _ => {
-                return Err(Error::field(
-                    field_name(tags::BITS_ALLOCATED),
-                    allocated,
-                    "8, 16 or 32",
-                ));
-            }
-        };
-        let (mut bits_stored, mut shift) = (u32::from(allocated), 0);
-        if sample_type.is_integer() {
-            bits_stored = set.u16(tags::BITS_STORED).unwrap_or(allocated).into();
-            let high = set
-                .u16(tags::HIGH_BIT)
-                .map_or(bits_stored.wrapping_sub(1), u32::from);
-            if bits_stored == 0 || bits_stored > u32::from(allocated) {
-                return Err(Error::field(
-                    field_name(tags::BITS_STORED),
-                    bits_stored,
-                    format!("1 to {allocated}, the allocated bits"),
-                ));
-            }
-            if high >= u32::from(allocated) || high + 1 < bits_stored {
-                return Err(Error::field(
-                    field_name(tags::HIGH_BIT),
-                    high,
-                    format!("{} to {}", bits_stored - 1, allocated - 1),
-                ));
-            }
-            shift = high + 1 - bits_stored;
-        }
-        let is_narrow = matches!(sample_type, SampleType::U8 | SampleType::U16);
+        let stored_type = stored_type(set, pixels, allocated)?;
+        let is_narrow = matches!(stored_type, SampleType::U8 | SampleType::U16);
         if color != Color::Gray && !is_narrow {
+            let [bits, sign] = [tags::BITS_ALLOCATED, tags::PIXEL_REPRESENTATION].map(field_name);
             return Err(Error::field(
-                "the type of the colors",
-                sample_type,
-                "unsigned of 8 or 16 bits",
+                format!("{bits} with {sign}"),
+                stored_type,
+                "unsigned numbers of 8 or 16 bits for colors",
             ));
         }
-        let (sample_type, color) = match color {
-            Color::Palette { is_gray, .. } => {
-                let index = sample_type;
-                let colors = Palette::of(set)?.sample_type;
-                (colors, Color::Palette { index, is_gray })
-            }
+        if color == Color::Ybr422 && columns % 2 == 1 {
             // Two neighbors share their differences.
-            Color::Ybr422 if columns % 2 == 1 => {
-                let allowed = "an even number for YBR_FULL_422";
-                return Err(Error::field(field_name(tags::COLUMNS), columns, allowed));
-            }
-            color => (sample_type, color),
+            let allowed = "an even number for YBR_FULL_422";
+            return Err(Error::field(field_name(tags::COLUMNS), columns, allowed));
+        }
+        let (bits_stored, shift) = match stored_type.is_integer() {
+            true => stored_bits(set, allocated)?,
+            false => (u32::from(allocated), 0),
         };
         Ok(Layout {
             columns,
             rows,
-            sample_type,
+            stored_type,
+            sample_type: match color {
+                Color::Palette { sample_type, .. } => sample_type,
+                _ => stored_type,
+            },
             color,
             bits_stored,
             shift,
@@ -155,12 +102,11 @@ impl Layout {
 
     /// Bytes of a frame that is not packed.
     pub(super) fn frame_bytes(&self) -> u64 {
-        let pixel_bytes = match self.color {
-            Color::Palette { index, .. } => index.size(),
-            Color::Ybr422 => 2 * self.sample_type.size(),
-            color => color.stored_numbers() * self.sample_type.size(),
+        let numbers_per_pixel = match self.color {
+            Color::Ybr422 => 2,
+            color => color.stored_numbers(),
         };
-        self.frame_samples() as u64 * pixel_bytes as u64
+        self.frame_samples() as u64 * (numbers_per_pixel * self.stored_type.size()) as u64
     }
 
     /// What a pixel is, of which one number is read.
@@ -182,6 +128,68 @@ impl Layout {
     }
 }
 
+/// The type of the stored numbers.
+fn stored_type(set: &DataSet, pixels: &PixelData, allocated: u16) -> Result<SampleType, Error> {
+    let is_signed = match set.u16(tags::PIXEL_REPRESENTATION) {
+        None | Some(0) => false,
+        Some(1) => true,
+        Some(n) => {
+            return Err(Error::field(
+                field_name(tags::PIXEL_REPRESENTATION),
+                n,
+                "0 (unsigned) or 1 (signed)",
+            ));
+        }
+    };
+    Ok(match (pixels.tag, allocated, is_signed) {
+        (tags::FLOAT_PIXEL_DATA, ..) => SampleType::F32,
+        (tags::DOUBLE_FLOAT_PIXEL_DATA, ..) => SampleType::F64,
+        (_, 8, false) => SampleType::U8,
+        (_, 8, true) => SampleType::I8,
+        (_, 16, false) => SampleType::U16,
+        (_, 16, true) => SampleType::I16,
+        (_, 32, false) => SampleType::U32,
+        (_, 32, true) => SampleType::I32,
+        (_, 1, _) => {
+            return Err(ErrorKind::Unsupported {
+                feature: "a DICOM file of 1-bit pixels (a segmentation)".into(),
+                instead: "convert it to .seg.nrrd or a NIfTI label volume".into(),
+            }
+            .into());
+        }
+        _ => {
+            return Err(Error::field(
+                field_name(tags::BITS_ALLOCATED),
+                allocated,
+                "8, 16 or 32",
+            ));
+        }
+    })
+}
+
+/// How many bits of the allocated ones hold a number, and above how many others.
+fn stored_bits(set: &DataSet, allocated: u16) -> Result<(u32, u32), Error> {
+    let bits_stored: u32 = set.u16(tags::BITS_STORED).unwrap_or(allocated).into();
+    let high = set
+        .u16(tags::HIGH_BIT)
+        .map_or(bits_stored.wrapping_sub(1), u32::from);
+    if bits_stored == 0 || bits_stored > u32::from(allocated) {
+        return Err(Error::field(
+            field_name(tags::BITS_STORED),
+            bits_stored,
+            format!("1 to {allocated}, the allocated bits"),
+        ));
+    }
+    if high >= u32::from(allocated) || high + 1 < bits_stored {
+        return Err(Error::field(
+            field_name(tags::HIGH_BIT),
+            high,
+            format!("{} to {}", bits_stored - 1, allocated - 1),
+        ));
+    }
+    Ok((bits_stored, high + 1 - bits_stored))
+}
+
 /// What to say of `slices` frames whose distance nothing says.
 pub(super) fn missing_spacing(slices: usize) -> Error {
     Error::from(ErrorKind::Unsupported {
@@ -195,7 +203,7 @@ pub(super) fn missing_spacing(slices: usize) -> Error {
 }
 
 /// An element type of DICOM pixels.
-pub(super) trait Stored: Sample + Default {
+pub(super) trait Stored: Sample {
     /// The sample whose low bits these are.
     fn from_low_bits(bits: i64) -> Self;
     /// The sample as a number; for floating point the truth does not matter, nobody asks.
@@ -340,14 +348,21 @@ impl<'a> Source<'a> {
     pub(super) fn read<T: Stored>(&self, frame: usize, samples: &mut [T]) -> Result<(), Error> {
         assert_eq!(T::TYPE, self.layout.sample_type);
         assert_eq!(samples.len(), self.layout.frame_samples());
+        let color = self.layout.color;
         // Decoders have their numbers in 4 bytes, and once more as they are stored.
-        if self.elements.syntax.is_encapsulated {
-            let decoded = samples.len() * self.layout.color.stored_numbers();
-            self.bytes.has_room(8 * decoded as u64)?;
+        let mut pixel_bytes = match self.elements.syntax.is_encapsulated {
+            true => 8 * color.stored_numbers(),
+            false => 0,
+        };
+        // Colors are there as they are stored, and as red, green and blue.
+        if color != Color::Gray {
+            pixel_bytes += 2 * 3 * T::TYPE.size();
         }
-        match (self.layout.color, &self.palette) {
+        self.bytes
+            .has_room(samples.len() as u64 * pixel_bytes as u64)?;
+        match (color, &self.palette) {
             (Color::Gray, _) => self.read_numbers(frame, samples).map(|_| ()),
-            (Color::Palette { index, .. }, Some(palette)) => match index {
+            (Color::Palette { .. }, Some(palette)) => match self.layout.stored_type {
                 SampleType::U8 => self.look_up::<u8, T>(frame, palette, samples),
                 _ => self.look_up::<u16, T>(frame, palette, samples),
             },
@@ -735,7 +750,7 @@ fn jpeg_2000_stream(data: &[u8]) -> Result<&[u8], String> {
         match &kind {
             b"jp2c" => return Ok(inside),
             b"jp2h" if inside.windows(4).any(|name| name == b"pclr") => {
-                return Err("it holds colors of a palette; only grey images make a volume".into());
+                return Err("it holds indices of a palette (pclr); save the images in RGB".into());
             }
             _ => rest = &rest[length as usize..],
         }

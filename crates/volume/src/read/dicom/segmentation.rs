@@ -6,10 +6,11 @@
 
 use super::elements::{self, DataSet};
 use super::image::{Image, Lookup};
+use super::stack::ras;
 use super::tags::{self, Tag, field_name, missing};
 use crate::error::{Error, ErrorKind};
-use crate::read::{Bytes, LoadedVolume, block};
-use crate::{Grid, Label, Metadata, Rescale, Samples, Volume};
+use crate::read::{Bytes, LoadedVolume};
+use crate::{Grid, Label, Metadata, Rescale, Samples, Volume, memory};
 use glam::{DAffine3, DMat3, DVec3};
 
 const SEGMENTATION_STORAGE: &str = "1.2.840.10008.5.1.4.1.1.66.4";
@@ -18,6 +19,19 @@ const LABEL_MAP_SEGMENTATION_STORAGE: &str = "1.2.840.10008.5.1.4.1.1.66.7";
 /// Whether a file holds frames of segments.
 pub(super) fn is_segmentation(set: &DataSet) -> bool {
     set.text(tags::SOP_CLASS_UID).as_deref() == Some(SEGMENTATION_STORAGE)
+}
+
+/// Ids in the narrowest type.
+///
+/// # Errors
+/// No memory.
+pub(super) fn narrowed(ids: Vec<u16>) -> Result<Samples, Error> {
+    if ids.iter().any(|id| *id > u16::from(u8::MAX)) {
+        return Ok(Samples::U16(ids));
+    }
+    let mut narrow = memory::reserved(ids.len())?;
+    narrow.extend(ids.iter().map(|id| *id as u8));
+    Ok(Samples::U8(narrow))
 }
 
 /// Names and colors of the segments, of files whose samples are their numbers.
@@ -129,14 +143,12 @@ pub(super) fn read(image: &Image, bytes: &dyn Bytes) -> Result<LoadedVolume, Err
         ))
         .into());
     }
-    let mut voxels: Vec<u16> = Vec::new();
     let slice_samples = columns * rows;
     let total = slice_samples
         .checked_mul(slices)
         .ok_or_else(|| Error::field("number of slices", slices, "fewer"))?;
     bytes.keep(2 * total as u64)?;
-    block::reserve(&mut voxels, total)?;
-    voxels.resize(total, 0);
+    let mut voxels: Vec<u16> = memory::zeroed(total)?;
     let mut overlaps = 0usize;
     for part in &parts {
         let place = (part.height - low) / shape.distance;
@@ -159,7 +171,6 @@ pub(super) fn read(image: &Image, bytes: &dyn Bytes) -> Result<LoadedVolume, Err
     let first = parts.iter().min_by(|a, b| a.height.total_cmp(&b.height));
     let origin = first.map_or(DVec3::ZERO, |part| part.position);
     let normal = shape.row.cross(shape.column).normalize();
-    let ras = |v: DVec3| DVec3::new(0.0 - v.x, 0.0 - v.y, v.z);
     let world_from_voxel = DAffine3::from_mat3_translation(
         DMat3::from_cols(
             ras(shape.row * shape.spacing[0]),
@@ -168,11 +179,7 @@ pub(super) fn read(image: &Image, bytes: &dyn Bytes) -> Result<LoadedVolume, Err
         ),
         ras(origin),
     );
-    let narrow = voxels.iter().all(|label| *label < 256);
-    let samples = match narrow {
-        true => Samples::U8(voxels.iter().map(|label| *label as u8).collect()),
-        false => Samples::U16(voxels),
-    };
+    let samples = narrowed(voxels)?;
     let volume = Volume::new(
         Grid::new([columns, rows, slices], world_from_voxel)?,
         samples,
@@ -364,7 +371,7 @@ impl<'a> Frames<'a> {
         };
         match self.threshold {
             Some(least) => {
-                let mut stored = block::zeroed(self.frame_samples)?;
+                let mut stored = memory::zeroed(self.frame_samples)?;
                 self.stored().read_at(self.offset + first, &mut stored)?;
                 let inside = slice
                     .iter_mut()
@@ -374,7 +381,7 @@ impl<'a> Frames<'a> {
             }
             None => {
                 let (start, shift) = (first / 8, (first % 8) as usize);
-                let mut stored = block::zeroed((shift + self.frame_samples).div_ceil(8))?;
+                let mut stored = memory::zeroed((shift + self.frame_samples).div_ceil(8))?;
                 self.stored().read_at(self.offset + start, &mut stored)?;
                 for (i, label) in slice.iter_mut().enumerate() {
                     let bit = shift + i;

@@ -113,8 +113,6 @@ pub(super) fn arrange(
             "the slices are sheared by {degrees:.2}° (gantry tilt); the grid keeps the shear"
         ));
     }
-    // LPS to RAS: left and back change their sign.
-    let ras = |v: DVec3| DVec3::new(0.0 - v.x, 0.0 - v.y, v.z);
     Ok(Stack {
         slices,
         resampled,
@@ -129,6 +127,11 @@ pub(super) fn arrange(
         time_points,
         notes,
     })
+}
+
+/// LPS to RAS: left and back change their sign.
+pub(super) fn ras(lps: DVec3) -> DVec3 {
+    DVec3::new(0.0 - lps.x, 0.0 - lps.y, lps.z)
 }
 
 /// How places along the normal are called in messages.

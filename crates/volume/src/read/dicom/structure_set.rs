@@ -6,10 +6,13 @@
 
 use super::contours::Planes;
 use super::elements::{DataSet, Elements};
+use super::segmentation::narrowed;
+use super::stack::ras;
 use super::tags::{self, field_name};
 use crate::error::{Error, ErrorKind, Remedy};
-use crate::read::{Input, LoadedVolume, ReadOptions, block};
-use crate::{Grid, Label, Metadata, Rescale, Samples, Volume};
+use crate::read::components::{self, Meaning};
+use crate::read::{Bytes, Input, LoadedVolume, ReadOptions};
+use crate::{Grid, Label, Metadata, Rescale, Volume, memory};
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 use std::collections::BTreeMap;
 
@@ -58,6 +61,7 @@ pub(super) fn read(
     mut notes: Vec<String>,
 ) -> Result<LoadedVolume, Error> {
     let set = &elements.set;
+    components::choice(1, Meaning::Vector, options, &mut notes)?;
     let mut structures = structures(set, &mut notes)?;
     number(&mut structures);
     let grid = match images {
@@ -69,30 +73,17 @@ pub(super) fn read(
         .map(|structure| planes(structure, &grid))
         .collect::<Result<_, Error>>()?;
     let dims = grid.dims();
-    let counts = counts(&planes, dims)?;
+    let counts = counts(&planes, &grid, input.bytes)?;
     for (structure, count) in structures.iter().zip(&counts) {
         if *count == 0 && !structure.contours.is_empty() {
             notes.push(format!("{} has no voxel of the grid", structure.label.name));
         }
     }
-    let total: u64 = counts
-        .iter()
-        .fold(0, |sum, count| sum.saturating_add(*count));
-    let most = (grid.voxel_count() as u64).saturating_mul(MOST_FOLD);
-    if total > most {
-        return Err(Error::field(
-            "the number of voxels in all structures",
-            total,
-            format!("up to {most}, {MOST_FOLD} times those of the grid"),
-        ));
-    }
     // The outline of the body holds all others: the smaller of two structures is kept.
     let mut order: Vec<usize> = (0..planes.len()).collect();
     order.sort_by_key(|i| std::cmp::Reverse(counts[*i]));
-    let mut voxels: Vec<u16> = Vec::new();
     input.bytes.keep(2 * grid.voxel_count() as u64)?;
-    block::reserve(&mut voxels, grid.voxel_count())?;
-    voxels.resize(grid.voxel_count(), 0);
+    let mut voxels: Vec<u16> = memory::zeroed(grid.voxel_count())?;
     let mut overlaps = 0usize;
     for i in order {
         let id = structures[i].label.id as u16;
@@ -110,10 +101,6 @@ pub(super) fn read(
             "{overlaps} times, a voxel is in two structures; the one with fewer voxels is kept"
         ));
     }
-    let samples = match voxels.iter().all(|label| *label < 256) {
-        true => Samples::U8(voxels.iter().map(|label| *label as u8).collect()),
-        false => Samples::U16(voxels),
-    };
     let metadata = Metadata {
         name: set
             .description(tags::STRUCTURE_SET_LABEL)
@@ -124,7 +111,7 @@ pub(super) fn read(
         ..Metadata::default()
     };
     Ok(LoadedVolume {
-        volume: Volume::new(grid, samples, Rescale::IDENTITY, metadata)?,
+        volume: Volume::new(grid, narrowed(voxels)?, Rescale::IDENTITY, metadata)?,
         labels: Some(structures.into_iter().map(|s| s.label).collect()),
         notes,
     })
@@ -145,9 +132,17 @@ fn structures(set: &DataSet, notes: &mut Vec<String>) -> Result<Vec<Structure>, 
         .iter()
         .filter_map(|item| Some((item.text(tags::REFERENCED_ROI_NUMBER)?, item)))
         .collect();
+    let items = set.items(tags::STRUCTURE_SET_ROI_SEQUENCE);
+    if items.len() > usize::from(u16::MAX) {
+        return Err(Error::field(
+            field_name(tags::STRUCTURE_SET_ROI_SEQUENCE),
+            format!("of {} structures", items.len()),
+            format!("up to {}", u16::MAX),
+        ));
+    }
     let mut left_out = 0;
     let mut structures = Vec::new();
-    for item in set.items(tags::STRUCTURE_SET_ROI_SEQUENCE) {
+    for item in items {
         let number = item.text(tags::ROI_NUMBER).unwrap_or_default();
         let name = item
             .description_within(tags::ROI_NAME, set)
@@ -259,20 +254,29 @@ fn planes(structure: &Structure, grid: &Grid) -> Result<Planes, Error> {
 }
 
 /// Voxels in each structure.
-fn counts(planes: &[Planes], dims: [usize; 3]) -> Result<Vec<u64>, Error> {
+///
+/// # Errors
+/// Voxels that lie in more than [`MOST_FOLD`] structures on average; no memory.
+fn counts(planes: &[Planes], grid: &Grid, bytes: &dyn Bytes) -> Result<Vec<u64>, Error> {
+    let most = (grid.voxel_count() as u64).saturating_mul(MOST_FOLD);
+    let mut total = 0;
     let count = |planes: &Planes| {
-        let mut count = 0u64;
-        planes.runs(dims, &mut |_, _, columns| {
-            count = count.saturating_add(columns.len() as u64);
-            Ok(())
+        let mut count = 0;
+        planes.runs(grid.dims(), &mut |_, _, columns| {
+            count += columns.len() as u64;
+            Ok(bytes.check()?)
         })?;
-        Ok(count)
+        total += count;
+        match total > most {
+            false => Ok(count),
+            true => Err(Error::field(
+                "the number of voxels in all structures",
+                format!("{total} or more"),
+                format!("up to {most}, {MOST_FOLD} times those of the grid"),
+            )),
+        }
     };
     planes.iter().map(count).collect()
-}
-
-fn ras(lps: DVec3) -> DVec3 {
-    DVec3::new(0.0 - lps.x, 0.0 - lps.y, lps.z)
 }
 
 /// A grid along the axes of the patient around all contours, where there are no images.

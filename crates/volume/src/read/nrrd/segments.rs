@@ -13,9 +13,8 @@
 //! Files without layers and label values have one segment per entry of the list axis, each of ones.
 //! Segments overlap only if they are in different layers, so layers may use the same numbers.
 
-use crate::read::block;
 use crate::read::header_lines::numbers;
-use crate::{Error, Label, Sample, Samples, with_samples};
+use crate::{Error, Label, Sample, Samples, memory, with_samples};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A segment: which number in which layer, and what it means.
@@ -230,8 +229,7 @@ impl Layers<'_> {
     ) -> Result<(Vec<u32>, u64), Error> {
         let nothing = Meant { id: 0, rank: 0 };
         let voxels = samples.len() / self.count;
-        let mut ids = Vec::new();
-        block::reserve(&mut ids, voxels)?;
+        let mut ids = memory::reserved(voxels)?;
         let mut overlaps = 0;
         let mut last = vec![(T::from_f64(0.0), nothing); self.count];
         for voxel in 0..voxels {

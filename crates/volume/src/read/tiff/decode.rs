@@ -6,7 +6,7 @@ use crate::error::{Error, ErrorKind};
 use crate::read::Bytes;
 use crate::read::bit_fields::unpacked;
 use crate::read::block::{Block, ByteReader, Endian, to_native};
-use crate::{Sample, Samples, with_samples};
+use crate::{Sample, Samples, memory, with_samples};
 use std::io::{self, BufRead, BufReader, Read};
 
 /// Appends the samples of a page, top row first.
@@ -52,7 +52,7 @@ impl Decoding<'_> {
             }
             for row in 0..rows {
                 let start = into.len();
-                reserve(into, page.width)?;
+                memory::grow(into, page.width)?;
                 for tile in &tiles {
                     // The last tile may stand out beyond the page.
                     let width = page.chunk_width.min(start + page.width - into.len());
@@ -85,7 +85,7 @@ impl Decoding<'_> {
             for slice in 0..slices {
                 for y in 0..page.height {
                     let row = slice * page.chunk_height + y % page.chunk_height;
-                    reserve(into, page.width)?;
+                    memory::grow(into, page.width)?;
                     for (i, tile) in tiles[y / page.chunk_height * across..][..across]
                         .iter()
                         .enumerate()
@@ -123,7 +123,7 @@ impl Decoding<'_> {
                 self.decode_error(error, rows as u64 * row_bytes, row as u64 * row_bytes)
             })?;
             let start = into.len();
-            reserve(into, width)?;
+            memory::grow(into, width)?;
             if !page.is_whole_bytes() {
                 into.extend(
                     unpacked(&packed, page.bits, width).map(|number| T::from_f64(number.into())),
@@ -213,15 +213,6 @@ impl Decoding<'_> {
             _ => error,
         }
     }
-}
-
-fn reserve<T>(into: &mut Vec<T>, additional: usize) -> Result<(), Error> {
-    into.try_reserve(additional).map_err(|_| {
-        ErrorKind::NoMemory {
-            bytes: (into.len() as u64 + additional as u64) * size_of::<T>() as u64,
-        }
-        .into()
-    })
 }
 
 /// Each stored number is the difference to the same one of the pixel on its left, as bits and modulo their number.

@@ -142,7 +142,7 @@ impl Directories {
             palette: None,
             metamorph: None,
         };
-        let mut map_place = None;
+        let mut palette_place = None;
         let mut seen = HashSet::new();
         let mut next = source.first_directory()?;
         while next != 0 {
@@ -176,12 +176,14 @@ impl Directories {
                 file.resolution = x.zip(y).map(|(x, y)| [x, y]);
                 file.metamorph = directory.metamorph()?;
             }
-            let has_palette = page.photometric == Photometric::Palette;
-            if has_palette && map_place != Some(directory.map_place()) {
-                map_place = Some(directory.map_place());
-                file.add_palette(directory.palette(page.bits)?, number)?;
-            }
-            if !has_palette && file.palette.is_some() {
+            if page.photometric == Photometric::Palette {
+                // A palette that pages share is read once for all indices of the same size.
+                let place = (directory.map_place(), page.bits);
+                if palette_place != Some(place) {
+                    palette_place = Some(place);
+                    file.add_palette(directory.palette(page.bits)?, number)?;
+                }
+            } else if file.palette.is_some() {
                 return Err(other_palette(number));
             }
             for chunk in &page.chunks {
@@ -736,9 +738,9 @@ fn other_palette(page: usize) -> Error {
 fn color(what: &str) -> Error {
     ErrorKind::Unsupported {
         feature: format!("color ({what})"),
-        instead: "a volume has one number per voxel: convert to grey first, \
-                  for example with ImageMagick's `-colorspace gray`"
-            .into(),
+        instead:
+            "convert it to RGB or gray first, for example with ImageMagick's `-colorspace gray`"
+                .into(),
     }
     .into()
 }

@@ -2,8 +2,8 @@
 //! each. Colors of 8 bits are what programs make of them: the high byte, or the number itself if none is above 255.
 
 use crate::error::{Error, ErrorKind};
-use crate::read::components::{self, Choice, Meaning};
-use crate::{Components, Samples};
+use crate::read::components::{self, Choice};
+use crate::{Components, Samples, memory};
 
 /// The colors of the indices of a page.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,8 +35,7 @@ impl Palette {
 
     /// The numbers that a pixel stands for: one if all colors are grays.
     pub(super) fn components(&self) -> Components {
-        let is_grey = self.colors.iter().all(|[r, g, b]| r == g && g == b);
-        Meaning::Color.of(if is_grey { 1 } else { 3 })
+        components::of_palette(&self.colors)
     }
 
     /// The chosen number of every pixel, whose indices these are.
@@ -53,8 +52,7 @@ impl Palette {
                 Ok(Samples::U8(indices))
             }
             Samples::U16(indices) => {
-                let mut numbers: Vec<u8> = Vec::new();
-                crate::read::block::reserve(&mut numbers, indices.len())?;
+                let mut numbers: Vec<u8> = memory::reserved(indices.len())?;
                 numbers.extend(indices.iter().map(|index| table[usize::from(*index)]));
                 Ok(Samples::U8(numbers))
             }
