@@ -744,9 +744,7 @@ impl Editor<'_> {
 
     /// The names of the nodes that are computed from the map of empty space.
     fn nodes_of_map(&self) -> HashSet<String> {
-        let is_map = |node: &&Node| {
-            matches!(&node.kind, Kind::Pattern(pattern) if pattern == "empty_points")
-        };
+        let is_map = |node: &&Node| matches!(&node.kind, Kind::Pattern(pattern) if pattern == "empty_points");
         let maps = self.graph.nodes.iter().filter(is_map);
         let mut of_map: HashSet<String> = maps.map(|node| node.name.clone()).collect();
         loop {
