@@ -19,6 +19,7 @@ use crate::segment_looks::SegmentLooks;
 use crate::segment_numbers::SegmentNumbers;
 use crate::skip::Skip;
 use crate::strides::{Strides, of_stride};
+use std::cell::Cell;
 use std::sync::Arc;
 use strahl_scene::plan::{Classify, Composite, GradientInput, Plan, Technique};
 use strahl_volume::{Grid, Samples};
@@ -269,18 +270,21 @@ impl<'p, S: Level> Object<'p, S> {
     fn classify_otherwise(&self, value: F32s<S>, position: Vec3s<S>, asked: Mask<S>) -> Surface<S> {
         vectorized::<S, _>(
             #[inline(always)]
-            || {
-                let sample = Sample {
-                    value,
-                    position,
-                    asked,
-                    table: &self.table,
-                    gradients: &self.gradients,
-                    values: self.values,
-                };
-                classify(self.classify, &sample)
-            },
+            || classify(self.classify, &self.sample(value, position, asked)),
         )
+    }
+
+    #[inline(always)]
+    fn sample(&self, value: F32s<S>, position: Vec3s<S>, asked: Mask<S>) -> Sample<'_, S> {
+        Sample {
+            value,
+            position,
+            asked,
+            table: &self.table,
+            gradients: &self.gradients,
+            values: self.values,
+            gradient: Cell::new(None),
+        }
     }
 
     /// Slot gradient over slot gradient_input, where `asked`; anything elsewhere.
@@ -393,18 +397,56 @@ impl<'p, S: Level> Object<'p, S> {
         sampled: Mask<S>,
         last_normal: &mut Vec3s<S>,
     ) -> Look<S> {
-        let mut surface = self.classify(value, position, sampled);
+        // Calls are given a copy: without the address of a part of the state, this may stay in registers.
+        let mut normal = *last_normal;
+        if !matches!(self.classify, Classify::Table) {
+            let look = self.look_otherwise(value, position, to_eye, sampled, &mut normal);
+            *last_normal = normal;
+            return look;
+        }
+        let mut surface = self.table.at(value);
         let visible = sampled & F32s::zero().lt(surface.opacity);
         if visible.any() {
             if !self.shading.is_unlit() {
-                // A copy: no call is given the address of a part of the state, which may then stay in registers.
-                let mut normal = *last_normal;
                 surface = self.shade(surface, position, to_eye, visible, &mut normal);
                 *last_normal = normal;
             }
             surface.opacity = self.of_step(surface.opacity);
         }
         Look { surface, visible }
+    }
+
+    /// By another classification than a table over the value. A gradient that it asks for is not looked for again.
+    #[inline(never)]
+    fn look_otherwise(
+        &self,
+        value: F32s<S>,
+        position: Vec3s<S>,
+        to_eye: Vec3s<S>,
+        sampled: Mask<S>,
+        last_normal: &mut Vec3s<S>,
+    ) -> Look<S> {
+        vectorized::<S, _>(
+            #[inline(always)]
+            || {
+                let sample = self.sample(value, position, sampled);
+                let mut surface = classify(self.classify, &sample);
+                let visible = sampled & F32s::zero().lt(surface.opacity);
+                if visible.any() {
+                    let is_shaded_by_it = self.gradient_input == GradientInput::Value;
+                    let gradient = sample.gradient.get().filter(|_| is_shaded_by_it);
+                    surface = match gradient {
+                        _ if self.shading.is_unlit() => surface,
+                        Some(gradient) => {
+                            self.shade_by(surface, gradient, position, to_eye, visible, last_normal)
+                        }
+                        None => self.shade(surface, position, to_eye, visible, last_normal),
+                    };
+                    surface.opacity = self.of_step(surface.opacity);
+                }
+                Look { surface, visible }
+            },
+        )
     }
 
     /// The look of a sample whose value and gradient are known from samples beside it, as [`look`](Self::look).

@@ -5,8 +5,10 @@ use super::unlit_samples::UnlitSamples;
 use crate::lanes::{F32s, Mask};
 use crate::levels::{Level, vectorized};
 use crate::library::classify::Surface;
+use crate::library::composite::average::Average;
 use crate::library::composite::back_to_front;
 use crate::library::composite::emission_absorption::EmissionAbsorption;
+use crate::library::composite::gmip::Gmip;
 use crate::library::composite::mida::Mida;
 use crate::library::composite::{Crossing, Rule, Sample, State, with_rule};
 use crate::scenery::Object;
@@ -75,6 +77,10 @@ impl<S: Level> Packet<'_, S> {
                     stop_at_transmittance,
                 },
             ),
+            Composite::Average => self.through_one_by(object, Average),
+            Composite::Gmip { white_per_mm } => {
+                self.through_one_by(object, Gmip { white_per_mm });
+            }
             other => self.through_one_by(object, Chosen(other)),
         }
     }

@@ -9,9 +9,7 @@ pub fn surface<S: Level>(sample: &Sample<S>, low_per_mm: f32, high_per_mm: f32) 
     let mut surface = sample.table.at(sample.value);
     let asked = sample.asked & F32s::zero().lt(surface.opacity);
     if asked.any() {
-        // The gradient of the value: that of the opacity would ask for this very function.
-        let gradient = (sample.gradients).of_values(sample.values, sample.position, asked);
-        let above = length(gradient) - F32s::splat(low_per_mm);
+        let above = length(sample.gradient(asked)) - F32s::splat(low_per_mm);
         let span = F32s::splat((high_per_mm - low_per_mm).max(1e-30));
         let part = above.over(span).max(F32s::zero()).min(F32s::splat(1.0));
         surface.opacity = surface.opacity * part;

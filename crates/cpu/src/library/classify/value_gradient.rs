@@ -16,7 +16,6 @@ pub fn surface<S: Level>(
     if rows < 2 || !asked.any() {
         return most;
     }
-    let gradient = (sample.gradients).of_values(sample.values, sample.position, asked);
-    let share = length(gradient).over(F32s::splat(full_per_mm));
+    let share = length(sample.gradient(asked)).over(F32s::splat(full_per_mm));
     sample.table.at_2d(sample.value, share, asked)
 }
