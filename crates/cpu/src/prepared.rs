@@ -286,7 +286,8 @@ impl Reading {
         let fits = |range: BrickRange| range.lo > -1e37 && range.hi < 1e37;
         let is_whole = making.find(&IsWholeKey(volume.id()), || {
             let statistics = volume.statistics_under(making.control)?;
-            Ok::<_, Cancelled>(statistics.not_finite == 0 && self.bricks.ranges().all(fits))
+            let whole = self.bricks.whole_under(making.control)?;
+            Ok::<_, Cancelled>(statistics.not_finite == 0 && fits(whole))
         })?;
         Ok(*is_whole)
     }

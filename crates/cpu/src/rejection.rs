@@ -58,11 +58,8 @@ impl CubicBounds {
         let make = || Bricks::under(volume, EDGE, 1, control);
         let bricks = making.find(&BricksKey::new(volume, EDGE, 1), make)?;
         let bends = making.find(&BendsKey(volume.id()), || {
-            let largest = bricks
-                .ranges()
-                .fold(0.0, |largest: f32, BrickRange { lo, hi }| {
-                    largest.max(lo.abs()).max(hi.abs())
-                });
+            let BrickRange { lo, hi } = bricks.whole_under(control)?;
+            let largest = lo.abs().max(hi.abs());
             // Of voxels without a value nothing is known, and sums of larger numbers overflow.
             let is_whole = volume.statistics_under(control)?.not_finite == 0 && largest < 1e36;
             // Words are gathered at 32-bit offsets.
@@ -71,10 +68,8 @@ impl CubicBounds {
                 return Ok(None);
             }
             let half = |number: f32| u32::from(rounded_up(number.abs()));
-            let words = bends_under(volume, EDGE, control)?
-                .into_iter()
-                .map(|[least, most]| half(most) << 16 | half(least))
-                .collect();
+            let word = |[least, most]: [f32; 2]| half(most) << 16 | half(least);
+            let words = bends_under(volume, EDGE, control, word)?;
             Ok::<_, Error>(Some(Bends {
                 words: Arc::new(words),
                 largest,

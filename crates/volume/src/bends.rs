@@ -3,6 +3,7 @@
 use crate::bricks::{dims, touched};
 use crate::rows::{for_each_row, made};
 use crate::{Control, Error, Sample, Volume, Work, memory, with_samples};
+use bytemuck::Zeroable;
 use std::ops::Range;
 
 /// Bounds of the second differences (v₋₁ − 2·v₀ + v₁ along an axis; beyond the border there is the voxel at the border
@@ -29,26 +30,28 @@ use std::ops::Range;
 /// # Panics
 /// If `edge` is 0.
 pub fn bends(volume: &Volume, edge: usize) -> Vec<[f32; 2]> {
-    made(bends_under(volume, edge, &Control::NONE))
+    made(bends_under(volume, edge, &Control::NONE, |bounds| bounds))
 }
 
-/// The same under `control`.
+/// What `of` makes of them, under `control`.
 ///
 /// # Errors
 /// It was cancelled; no memory.
 ///
 /// # Panics
 /// If `edge` is 0.
-pub fn bends_under(
+pub fn bends_under<T: Zeroable + Send>(
     volume: &Volume,
     edge: usize,
     control: &Control,
-) -> Result<Vec<[f32; 2]>, Error> {
+    of: impl Fn([f32; 2]) -> T + Sync,
+) -> Result<Vec<T>, Error> {
     assert!(edge > 0, "bricks of no cells");
     let voxels = volume.grid().dims();
     let dims = dims(voxels, edge);
-    let mut of_bricks = memory::filled([0.0; 2], dims.iter().product())?;
-    let of_row = |row: usize, of_bricks: &mut [[f32; 2]]| {
+    let mut of_bricks = memory::zeroed(dims.iter().product())?;
+    let of_row = |row: usize, of_bricks: &mut [T]| {
+        let mut bounds = vec![[0.0; 2]; of_bricks.len()];
         let at = [row % dims[1], row / dims[1]];
         with_samples!(volume.samples(), samples => {
             let block = Block::new(samples, voxels, [1, 2].map(|axis| {
@@ -56,8 +59,11 @@ pub fn bends_under(
             }));
             let own = [1, 2].map(|axis| touched(at[axis - 1], edge, 0, voxels[axis]));
             let wide = [1, 2].map(|axis| touched(at[axis - 1], edge, 1, voxels[axis]));
-            block.bends(edge, &own, &wide, of_bricks);
+            block.bends(edge, &own, &wide, &mut bounds);
         });
+        for (into, bounds) in of_bricks.iter_mut().zip(bounds) {
+            *into = of(bounds);
+        }
     };
     let parts = control.parts(Work::Preparing, dims[1] * dims[2]);
     for_each_row(&mut of_bricks, dims[0], &parts, of_row)?;

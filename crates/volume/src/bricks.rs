@@ -5,6 +5,7 @@ use crate::{
     Cancelled, ContentId, Control, Error, Grid, Key, Sample, Samples, Volume, Work, memory,
     with_samples,
 };
+use bytemuck::Zeroable;
 use std::ops::Range;
 
 /// The smallest and the largest number that reconstruction can find in each brick of a volume.
@@ -266,6 +267,22 @@ impl Bricks {
         (0..self.number()).map(|brick| self.ranges.get(brick))
     }
 
+    /// The range of the whole volume, as all bricks have it together.
+    ///
+    /// # Errors
+    /// `control` was cancelled.
+    pub fn whole_under(&self, control: &Control) -> Result<BrickRange, Cancelled> {
+        // Between two looks at the control: a fraction of a millisecond.
+        const BRICKS: usize = 1 << 16;
+        let mut whole = BrickRange::EMPTY;
+        for first in (0..self.number()).step_by(BRICKS) {
+            control.check()?;
+            let bricks = first..self.number().min(first + BRICKS);
+            whole = bricks.fold(whole, |all, brick| all.joined(self.ranges.get(brick)));
+        }
+        Ok(whole)
+    }
+
     /// What `of` makes of every range, x fastest; on all cores.
     pub fn map<T: Copy + Default + Send>(&self, of: impl Fn(BrickRange) -> T + Sync) -> Vec<T> {
         made(self.map_under(&Control::NONE, of).map_err(Error::from))
@@ -309,7 +326,7 @@ impl Blocks<'_> {
     ///
     /// One row of bricks (along x) after the other: first the range over y and z of every voxel column,
     /// then along x. The long inner loops run over neighboring voxels and vectorize.
-    fn ranges<T: Sample, N: PartialOrd + Copy + Send + Sync>(
+    fn ranges<T: Sample, N: PartialOrd + Zeroable + Copy + Send + Sync>(
         &self,
         samples: &[T],
         number: impl Fn(T) -> N + Sync,
@@ -336,11 +353,14 @@ impl Blocks<'_> {
             }
             for (bx, [lo, hi]) in ranges.iter_mut().enumerate() {
                 let columns = self.touched(bx, nx);
-                *lo = smallest[columns.clone()].iter().copied().fold(*lo, smaller);
-                *hi = largest[columns].iter().copied().fold(*hi, larger);
+                *lo = smallest[columns.clone()]
+                    .iter()
+                    .copied()
+                    .fold(empty[0], smaller);
+                *hi = largest[columns].iter().copied().fold(empty[1], larger);
             }
         };
-        let mut ranges = memory::filled(empty, self.dims.iter().product())?;
+        let mut ranges = memory::zeroed(self.dims.iter().product())?;
         let rows = self.dims[1] * self.dims[2];
         let parts = self.control.parts(Work::Preparing, rows);
         for_each_row(&mut ranges, self.dims[0], &parts, row_of_bricks)?;

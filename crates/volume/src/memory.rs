@@ -32,16 +32,6 @@ pub(crate) fn grow<T>(list: &mut Vec<T>, additional: usize) -> Result<(), Error>
         .map_err(|_| no_memory::<T>(additional))
 }
 
-/// `count` times `value`.
-///
-/// # Errors
-/// [`ErrorKind::NoMemory`].
-pub(crate) fn filled<T: Clone>(value: T, count: usize) -> Result<Vec<T>, Error> {
-    let mut list = reserved(count)?;
-    list.resize(count, value);
-    Ok(list)
-}
-
 /// `count` zeros, which the system hands out without writing them.
 ///
 /// # Errors
@@ -66,7 +56,6 @@ mod tests {
         let count = isize::MAX as usize / 8;
         for error in [
             reserved::<u64>(count).unwrap_err(),
-            filled(1u64, count).unwrap_err(),
             zeroed::<u64>(count).unwrap_err(),
         ] {
             let message = error.to_string();
@@ -75,7 +64,6 @@ mod tests {
                 "{message}"
             );
         }
-        assert_eq!(filled(7, 3).unwrap(), [7, 7, 7]);
         assert_eq!(zeroed::<u8>(2).unwrap(), [0, 0]);
     }
 }
