@@ -17,6 +17,7 @@ mod keys;
 mod mosaic;
 mod nuclear;
 mod pixels;
+mod ras;
 mod rle;
 mod segmentation;
 mod series;

@@ -6,7 +6,7 @@
 
 use super::elements::{self, DataSet};
 use super::image::{Image, Lookup};
-use super::stack::ras;
+use super::ras::ras;
 use super::tags::{self, Tag, field_name, missing};
 use crate::error::{Error, ErrorKind};
 use crate::read::{Bytes, LoadedVolume};

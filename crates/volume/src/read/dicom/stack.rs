@@ -2,6 +2,7 @@
 
 use super::frames::Frame;
 use super::keys::{INSTANCE_NUMBER, KEYS, Key, KeyValue};
+use super::ras::ras;
 use crate::error::{Error, ErrorKind, Remedy};
 use crate::read::ReadOptions;
 use glam::{DAffine3, DMat3, DVec3};
@@ -127,11 +128,6 @@ pub(super) fn arrange(
         time_points,
         notes,
     })
-}
-
-/// LPS to RAS: left and back change their sign.
-pub(super) fn ras(lps: DVec3) -> DVec3 {
-    DVec3::new(0.0 - lps.x, 0.0 - lps.y, lps.z)
 }
 
 /// How places along the normal are called in messages.

@@ -6,8 +6,8 @@
 
 use super::contours::Planes;
 use super::elements::{DataSet, Elements};
+use super::ras::ras;
 use super::segmentation::narrowed;
-use super::stack::ras;
 use super::tags::{self, field_name};
 use crate::error::{Error, ErrorKind, Remedy};
 use crate::read::components::{self, Meaning};
