@@ -404,15 +404,17 @@ impl<'p, S: Level> Object<'p, S> {
             *last_normal = normal;
             return look;
         }
-        let mut surface = self.table.at(value);
-        let visible = sampled & F32s::zero().lt(surface.opacity);
-        if visible.any() {
-            if !self.shading.is_unlit() {
-                surface = self.shade(surface, position, to_eye, visible, &mut normal);
-                *last_normal = normal;
-            }
-            surface.opacity = self.of_step(surface.opacity);
+        // Most samples show nothing, and colors are most of what the table costs.
+        let visible = sampled & F32s::zero().lt(self.table.opacity_at(value));
+        if !visible.any() {
+            return Look::nothing();
         }
+        let mut surface = self.table.at(value);
+        if !self.shading.is_unlit() {
+            surface = self.shade(surface, position, to_eye, visible, &mut normal);
+            *last_normal = normal;
+        }
+        surface.opacity = self.of_step(surface.opacity);
         Look { surface, visible }
     }
 

@@ -39,14 +39,18 @@ impl<S: Level> Packet<'_, S> {
             }
             let look = self.mixed(at, live);
             let Surface { color, opacity } = look.surface;
+            k = live.select(k + one, k);
+            live = live & k.lt(end);
+            if !look.visible.any() {
+                continue;
+            }
             if is_back_to_front {
                 back_to_front::add(&mut self.state, look.visible, color, opacity);
             } else {
                 emission_absorption::add(&mut self.state, look.visible, color, opacity);
             }
             self.visible += look.visible.select(one, zero);
-            k = live.select(k + one, k);
-            live = live & k.lt(end) & !self.done();
+            live = live & !self.done();
         }
         self.k = k;
     }
@@ -94,6 +98,10 @@ impl<S: Level> Packet<'_, S> {
             opacities += opacity;
             passes = passes * (one - opacity);
             visible = visible | look.visible;
+        }
+        // Most lattice points show nothing, and divisions take long.
+        if !visible.any() {
+            return Look::nothing();
         }
         let divisor = F32s::zero().lt(opacities).select(opacities, one);
         Look {
