@@ -470,9 +470,16 @@ fn keys_that_no_segment_is_drawn_by_are_named() {
             r#"{ "composite": "mip", "segments": [{ "of": 1, "show": false }] }"#,
             &[],
         ),
+        (r#"{ "method": "opacity-peeling" }"#, &["method"]),
+        (
+            r#"{ "preset": "mr", "method": "mida" }"#,
+            &["preset", "method"],
+        ),
+        // It sets the background.
+        (r#"{ "preset": "mip" }"#, &[]),
         (
             r#"{ "threshold": 90, "method": "first-hit", "preset": "solid", "shading": { "model": "phong" } }"#,
-            &["threshold", "method", "shading"],
+            &["threshold", "shading", "preset", "method"],
         ),
         (
             r#"{ "threshold": 90, "method": "first-hit", "segments": [{ "of": 2, "technique": "scene" }] }"#,

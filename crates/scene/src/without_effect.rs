@@ -6,6 +6,7 @@
 mod reads;
 
 use crate::plan::{Classify, Composite, GlobalRule, Jitter, Plan, Shade};
+use crate::resolve::resolve_with;
 use crate::segmented::{technique_names, two_level_names};
 use crate::technique::{SCENE, SegmentTechnique};
 use crate::{
@@ -66,6 +67,9 @@ pub fn keys_without_effect(scene: &Scene, plan: &Plan, headers: &Headers) -> Vec
         (Some(labels), Some(_)) => {
             let names = technique_names(scene, labels);
             of_segments(scene, plan, &names, &all, &mut keys);
+            if !names.iter().any(|name| name == SCENE) {
+                of_unused_looks(scene, plan, headers, &mut keys);
+            }
             of_two_level(scene, &two_level_names(scene, labels), &mut keys);
         }
         _ => {
@@ -233,6 +237,31 @@ fn of_functions(
     }
 }
 
+/// Why keys of the scene's own technique have no effect, and what has one.
+const NOT_BY_SCENE: &str = "no segment is drawn by the technique \"scene\"; `segments` and \
+    `techniques` say how segments are drawn, and so does a preset for segments, such as atlas";
+
+/// Preset and method where the scene's own technique draws nothing. A preset may set the background or the lights all the
+/// same, and a method chooses a preset: each has no effect if the Plan without it is the same.
+fn of_unused_looks(scene: &Scene, plan: &Plan, headers: &Headers, keys: &mut Keys) {
+    let preset = Scene {
+        preset: None,
+        ..scene.clone()
+    };
+    let method = Scene {
+        method: None,
+        ..scene.clone()
+    };
+    let shown = format!("{plan:?}");
+    for (key, is_set, without) in [
+        ("preset", scene.preset.is_some(), preset),
+        ("method", scene.method.is_some(), method),
+    ] {
+        let is_same = || resolve_with(&without, headers).is_ok_and(|p| format!("{p:?}") == shown);
+        keys.unless(!is_set || !is_same(), key, NOT_BY_SCENE);
+    }
+}
+
 /// Keys of segments, and those of the scene itself, which are the technique `scene`. `names` are those of the techniques
 /// that draw a segment, in the order of `all`.
 fn of_segments(scene: &Scene, plan: &Plan, names: &[String], all: &[Reads], keys: &mut Keys) {
@@ -254,7 +283,6 @@ fn of_segments(scene: &Scene, plan: &Plan, names: &[String], all: &[Reads], keys
             }
         }
         None => {
-            let why = "no segment is drawn by the technique \"scene\"";
             for (is_set, key) in [
                 (scene.threshold.is_some(), "threshold"),
                 (scene.blend.is_some(), "blend"),
@@ -265,10 +293,8 @@ fn of_segments(scene: &Scene, plan: &Plan, names: &[String], all: &[Reads], keys
                     scene.gradient.is_some_and(|gradient| gradient.of.is_some()),
                     "gradient.of",
                 ),
-                // Without a preset it chooses one, and with it the background.
-                (scene.method.is_some() && scene.preset.is_some(), "method"),
             ] {
-                keys.unless(!is_set, key, why);
+                keys.unless(!is_set, key, NOT_BY_SCENE);
             }
             of_functions_of_segments(scene, plan, &[], all, keys);
         }
@@ -362,8 +388,7 @@ fn of_functions_of_segments(
     for (slot, function) in scene.functions.iter().flatten() {
         let is_own = of_technique.contains(&slot.as_str());
         if is_own && own.is_empty() && !function.is_file() {
-            let why = "no segment is drawn by the technique \"scene\"";
-            keys.unless(false, &format!("functions.{slot}"), why);
+            keys.unless(false, &format!("functions.{slot}"), NOT_BY_SCENE);
         } else if is_own || of_field.contains(&slot.as_str()) {
             let one = BTreeMap::from([(slot.clone(), function.clone())]);
             let reads = if is_own && !own.is_empty() { own } else { all };

@@ -222,7 +222,7 @@ impl SceneData {
             let preset = scene.preset.as_deref().and_then(PresetInfo::find);
             if let Some(preset) = preset.filter(|preset| preset.scene().segments.is_some()) {
                 self.notes.push(format!(
-                    "the preset {} draws segments, and the volume has no labels: set `labels`, or choose another preset",
+                    "the preset {} draws segments, and the volume has no labels: it is drawn as a whole; set `labels`, or choose another preset",
                     preset.name
                 ));
             }

@@ -73,8 +73,13 @@ impl Control {
         Control::with(None)
     }
 
-    /// Control whose `listener` is told, on any of the threads that work, how far a kind of work is, as a share
-    /// from 0 to 1. `Break` is the same as [`cancel`](Control::cancel).
+    /// Control whose `listener` is told how far a kind of work is, as a share from 0 to 1. `Break` is the same as
+    /// [`cancel`](Control::cancel).
+    ///
+    /// The listener is called on any of the threads that work, so shares may arrive in another order than they were
+    /// reached. Each file that is read and each part that is prepared counts from 0 to 1 for itself: one picture may
+    /// reach 1 several times. A bar shows the largest share since the kind of work last began anew, at a share below a few
+    /// percent.
     pub fn listening(
         listener: impl Fn(Work, f64) -> ControlFlow<()> + Send + Sync + 'static,
     ) -> Control {
