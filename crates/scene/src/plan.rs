@@ -18,7 +18,7 @@ use strahl_volume::{Grid, Rescale};
 
 /// Everything a renderer needs beside the data (voxels, masks, triangles), which is handed to it as
 /// [`Datasets`](strahl_volume::Datasets).
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
     /// Pixels per row, 1 to [`MOST_EDGE_PIXELS`].
     pub width: u32,
@@ -462,7 +462,7 @@ pub struct PlanMesh {
 }
 
 /// A shader function of the user.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct PlanModule {
     /// The function, checked; it names its slot.
     pub module: Arc<Module>,

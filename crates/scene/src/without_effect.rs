@@ -244,22 +244,20 @@ const NOT_BY_SCENE: &str = "no segment is drawn by the technique \"scene\"; `seg
 /// Preset and method where the scene's own technique draws nothing. A preset may set the background or the lights all the
 /// same, and a method chooses a preset: each has no effect if the Plan without it is the same.
 fn of_unused_looks(scene: &Scene, plan: &Plan, headers: &Headers, keys: &mut Keys) {
-    let preset = Scene {
+    let preset = || Scene {
         preset: None,
         ..scene.clone()
     };
-    let method = Scene {
+    let method = || Scene {
         method: None,
         ..scene.clone()
     };
-    let shown = format!("{plan:?}");
-    for (key, is_set, without) in [
-        ("preset", scene.preset.is_some(), preset),
-        ("method", scene.method.is_some(), method),
-    ] {
-        let is_same = || resolve_with(&without, headers).is_ok_and(|p| format!("{p:?}") == shown);
-        keys.unless(!is_set || !is_same(), key, NOT_BY_SCENE);
-    }
+    let changes =
+        |without: Scene| !resolve_with(&without, headers).is_ok_and(|other| other == *plan);
+    let preset_counts = scene.preset.is_none() || changes(preset());
+    keys.unless(preset_counts, "preset", NOT_BY_SCENE);
+    let method_counts = scene.method.is_none() || changes(method());
+    keys.unless(method_counts, "method", NOT_BY_SCENE);
 }
 
 /// Keys of segments, and those of the scene itself, which are the technique `scene`. `names` are those of the techniques
