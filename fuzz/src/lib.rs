@@ -1,6 +1,7 @@
 //! What the fuzz targets share: how one input becomes several files, what must hold for whatever
 //! was read, and an allocator that tells when a header's claim was believed.
 
+pub mod dicom_frame;
 pub mod graph;
 
 use std::alloc::{GlobalAlloc, Layout, System};

@@ -17,8 +17,9 @@ const MAX_INPUT_BYTES: usize = 64 << 10;
 const MEMORY_LIMIT_MB: usize = 2048;
 const SECONDS_PER_INPUT: usize = 20;
 
-/// Runs one target, or all; whether nothing broke.
-pub fn run(root: &Path, target: Option<&str>, seconds: u64) -> Result<bool> {
+/// Runs one target, or all; whether nothing broke. With `sanitize`, under AddressSanitizer: several times slower, but
+/// it also sees what unsafe code of the decoders that we depend on does wrong.
+pub fn run(root: &Path, target: Option<&str>, seconds: u64, sanitize: bool) -> Result<bool> {
     let targets = targets(root)?;
     if let Some(target) = target {
         ensure!(
@@ -43,7 +44,7 @@ pub fn run(root: &Path, target: Option<&str>, seconds: u64) -> Result<bool> {
         .iter()
         .filter(|name| target.is_none_or(|only| only == *name))
     {
-        rows.push(run_target(root, name, seconds)?);
+        rows.push(run_target(root, name, seconds, sanitize)?);
     }
     println!(
         "\n{:<12} {:>8} {:>12}  result",
@@ -68,27 +69,36 @@ struct Row {
     clean: bool,
 }
 
-fn run_target(root: &Path, name: &str, seconds: u64) -> Result<Row> {
+fn run_target(root: &Path, name: &str, seconds: u64, sanitize: bool) -> Result<Row> {
     let corpus = root.join("fuzz/corpus").join(name);
     std::fs::create_dir_all(&corpus)?;
     println!("== {name}");
-    // Without a sanitizer: the readers hold no unsafe code, and it is several times faster. The
+    // Usually without a sanitizer: the readers hold no unsafe code, and it is several times faster. The
     // targets' own allocator catches what a header merely claims. `-O` leaves it to the manifest
     // where debug assertions are on; else cargo-fuzz turns them on everywhere.
+    let sanitizer = if sanitize { "address" } else { "none" };
     let build = succeeds(Command::new("cargo").current_dir(root).args([
         "+nightly",
         "fuzz",
         "build",
         "-O",
         "--sanitizer",
-        "none",
+        sanitizer,
         name,
     ]))?;
     ensure!(build, "the fuzz target {name} does not compile");
     let start = Instant::now();
     let run = Command::new("cargo")
         .current_dir(root)
-        .args(["+nightly", "fuzz", "run", "-O", "--sanitizer", "none", name])
+        .args([
+            "+nightly",
+            "fuzz",
+            "run",
+            "-O",
+            "--sanitizer",
+            sanitizer,
+            name,
+        ])
         .arg(&corpus)
         .arg(root.join("fuzz/seeds").join(name))
         .arg("--")

@@ -75,6 +75,9 @@ enum Task {
         /// How long each target runs.
         #[arg(long, default_value_t = 60)]
         seconds: u64,
+        /// Under AddressSanitizer, for the decoders of others that hold unsafe code.
+        #[arg(long)]
+        sanitize: bool,
     },
 }
 
@@ -105,7 +108,11 @@ fn main() -> Result<ExitCode> {
         Task::SameBytes(arguments) => same_bytes::run(&root, &arguments)?,
         Task::MutateRuns(arguments) => mutate_runs::run(&root, &arguments)?,
         Task::ThirdParty(arguments) => third_party::run(&root, &arguments)?,
-        Task::Fuzz { target, seconds } => fuzz::run(&root, target.as_deref(), seconds)?,
+        Task::Fuzz {
+            target,
+            seconds,
+            sanitize,
+        } => fuzz::run(&root, target.as_deref(), seconds, sanitize)?,
     };
     Ok(if passed {
         ExitCode::SUCCESS
