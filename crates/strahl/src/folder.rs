@@ -79,6 +79,16 @@ impl Folder {
         Ok(Folder(Source::Listed(files)))
     }
 
+    /// The names that [`names`](Files::names) would give of this folder as it is now.
+    pub(crate) fn current_names(&self) -> Vec<String> {
+        match &self.0 {
+            Source::Around(folder, ..) | Source::Tree(folder, _) => list(folder)
+                .map(|(files, _)| files.into_keys().collect())
+                .unwrap_or_default(),
+            Source::Listed(_) => self.names(),
+        }
+    }
+
     /// Where the file `name` lies.
     pub(crate) fn path_of(&self, name: &str) -> io::Result<PathBuf> {
         match &self.0 {

@@ -3,7 +3,7 @@
 use crate::Error;
 use crate::confinement::{Confinement, open_regular};
 use crate::folder::{Folder, file_name};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
@@ -80,13 +80,13 @@ pub fn load_components_under(
     read_components(&mut read, wants_component)
 }
 
-/// As [`load_under`], with the files that were opened, all of which lie `within`.
+/// As [`load_under`], with what was seen of the files, all of which lie `within`.
 pub(crate) fn load_seen(
     paths: &[PathBuf],
     options: &ReadOptions,
     within: Option<&Confinement>,
     control: &Control,
-) -> Result<(LoadedVolume, Vec<FileState>), Error> {
+) -> Result<(LoadedVolume, Seen), Error> {
     let is_folder = |path: &PathBuf| {
         let metadata = fs::metadata(path).map_err(|error| Error::path(path, error))?;
         Ok::<_, Error>(metadata.is_dir())
@@ -103,19 +103,37 @@ pub(crate) fn load_seen(
     let recorded = RecordingFiles {
         folder,
         within,
-        seen: Mutex::default(),
+        opened: Mutex::default(),
+        listed: Mutex::default(),
     };
     let loaded = match is_file {
         true => read_file_under(&name, &recorded, options, control),
         false => read_folder_under(&name, &recorded, options, control),
     };
-    let seen = recorded.seen.into_inner();
-    let seen = seen.unwrap_or_else(PoisonError::into_inner);
-    Ok((loaded?, seen.into_values().collect()))
+    Ok((loaded?, recorded.seen()))
+}
+
+/// Files and folders as they were when something was read from them.
+#[derive(Default)]
+pub(crate) struct Seen {
+    opened: Vec<FileState>,
+    listed: Vec<Listing>,
+}
+
+impl Seen {
+    /// Whether reading again would read the same.
+    pub fn is_same(&self) -> bool {
+        self.opened.iter().all(FileState::is_same) && self.listed.iter().all(Listing::is_same)
+    }
+
+    pub fn extend(&mut self, other: Seen) {
+        self.opened.extend(other.opened);
+        self.listed.extend(other.listed);
+    }
 }
 
 /// A file as it was when it was opened.
-pub(crate) struct FileState {
+struct FileState {
     path: PathBuf,
     state: Option<(u64, Option<SystemTime>)>,
 }
@@ -139,20 +157,89 @@ fn state(path: &Path) -> Option<(u64, Option<SystemTime>)> {
     Some((metadata.len(), metadata.modified().ok()))
 }
 
-/// Records which files are opened.
+/// The names that a reader was given of the files in a folder. Only those count that end as a file that it opened does: a
+/// picture that is written beside a series is no slice of it.
+struct Listing {
+    folder: Folder,
+    is_below: bool,
+    extensions: BTreeSet<String>,
+    names: Vec<String>,
+}
+
+impl Listing {
+    fn is_same(&self) -> bool {
+        let now = match self.is_below {
+            true => self.folder.names_below().unwrap_or_default(),
+            false => self.folder.current_names(),
+        };
+        self.counting(now) == self.names
+    }
+
+    fn counting(&self, names: Vec<String>) -> Vec<String> {
+        let counts = |name: &String| self.extensions.contains(extension(name));
+        names.into_iter().filter(counts).collect()
+    }
+}
+
+/// What stands behind the last dot of a name; nothing if it has none.
+fn extension(name: &str) -> &str {
+    let extension = Path::new(name).extension();
+    extension.and_then(|text| text.to_str()).unwrap_or_default()
+}
+
+/// Records which files are opened, and which names are given.
 struct RecordingFiles<'w> {
     folder: Folder,
     within: Option<&'w Confinement>,
-    seen: Mutex<BTreeMap<String, FileState>>,
+    opened: Mutex<BTreeMap<String, FileState>>,
+    /// In the folder, and in it and below.
+    listed: Mutex<[Option<Vec<String>>; 2]>,
+}
+
+impl RecordingFiles<'_> {
+    fn seen(self) -> Seen {
+        let opened = self.opened.into_inner();
+        let opened = opened.unwrap_or_else(PoisonError::into_inner);
+        let listed = self.listed.into_inner();
+        let listed = listed.unwrap_or_else(PoisonError::into_inner);
+        let extensions: BTreeSet<String> = opened
+            .keys()
+            .map(|name| extension(name).to_owned())
+            .collect();
+        let listing = |(names, is_below): (Option<Vec<String>>, bool)| {
+            let mut listing = Listing {
+                folder: self.folder.clone(),
+                is_below,
+                extensions: extensions.clone(),
+                names: Vec::new(),
+            };
+            listing.names = listing.counting(names?);
+            Some(listing)
+        };
+        let listed = listed.into_iter().zip([false, true]);
+        Seen {
+            listed: listed.filter_map(listing).collect(),
+            opened: opened.into_values().collect(),
+        }
+    }
+
+    fn note_names(&self, is_below: bool, names: &[String]) {
+        let mut listed = self.listed.lock().unwrap_or_else(PoisonError::into_inner);
+        listed[usize::from(is_below)].get_or_insert_with(|| names.to_vec());
+    }
 }
 
 impl Files for RecordingFiles<'_> {
     fn names(&self) -> Vec<String> {
-        self.folder.names()
+        let names = self.folder.names();
+        self.note_names(false, &names);
+        names
     }
 
     fn names_below(&self) -> io::Result<Vec<String>> {
-        self.folder.names_below()
+        let names = self.folder.names_below()?;
+        self.note_names(true, &names);
+        Ok(names)
     }
 
     fn open(&self, name: &str) -> io::Result<Box<dyn Bytes + '_>> {
@@ -161,8 +248,9 @@ impl Files for RecordingFiles<'_> {
             within.check(&path).map_err(io::Error::other)?;
         }
         // Before it is read: what changes meanwhile has changed.
-        let mut seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
-        seen.entry(name.to_owned())
+        let mut opened = self.opened.lock().unwrap_or_else(PoisonError::into_inner);
+        opened
+            .entry(name.to_owned())
             .or_insert_with(|| FileState::new(path));
         self.folder.open(name)
     }

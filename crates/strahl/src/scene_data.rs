@@ -310,7 +310,7 @@ impl SceneData {
         let labels = self.read_labels(reading, &clip.path, None)?;
         let labels = &labels.value.0;
         let ids = clip.label_ids(place, labels)?;
-        Ok(self.hold(session.mask(&clip.path, &ids, labels, control)?))
+        Ok(self.hold(session.mask(&ids, labels, control)?))
     }
 
     fn read_labels(

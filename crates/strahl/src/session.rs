@@ -5,7 +5,7 @@ use crate::confinement::Confinement;
 #[cfg(feature = "gpu")]
 use crate::devices::Devices;
 use crate::folder::file_name;
-use crate::load::{FileState, load_label_table, load_seen};
+use crate::load::{Seen, load_label_table, load_seen};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 #[cfg(feature = "graph")]
@@ -213,7 +213,7 @@ impl Session {
             masks: masks.to_vec(),
         };
         self.found(&key, control, || {
-            let (mut merged, mut seen, mut notes) = (None, Vec::new(), Vec::new());
+            let (mut merged, mut seen, mut notes) = (None, Seen::default(), Vec::new());
             let mut labels = Vec::new();
             for (id, mask) in (1..).zip(masks) {
                 let path = &mask.path;
@@ -270,16 +270,15 @@ impl Session {
         })
     }
 
-    /// The mask of some labels of the file `path`.
+    /// The mask of some of the `labels`.
     pub(crate) fn mask(
         &self,
-        path: &str,
         ids: &[u32],
         labels: &LabelVolume,
         control: &Control,
     ) -> Result<Arc<Volume>, Error> {
         let key = MaskKey {
-            files: States::of(&[path.into()])?,
+            labels: labels.content_id(),
             ids: ids.to_owned(),
         };
         let make = || Ok::<_, Error>(labels.mask(ids)?);
@@ -297,7 +296,7 @@ impl Session {
         self.found(&key, control, || {
             Ok(Read {
                 value: read()?,
-                seen: Vec::new(),
+                seen: Seen::default(),
             })
         })
     }
@@ -344,7 +343,7 @@ impl Session {
         control: &Control,
         read: impl FnOnce() -> Result<Read<T>, Error>,
     ) -> Result<Arc<Read<T>>, Error> {
-        let is_old = |known: Arc<Read<T>>| !known.seen.iter().all(FileState::is_same);
+        let is_old = |known: Arc<Read<T>>| !known.seen.is_same();
         if self.files.get(key).is_some_and(is_old) {
             self.files.remove(key);
         }
@@ -352,10 +351,10 @@ impl Session {
     }
 }
 
-/// Something that was read, and the files that were opened for it.
+/// Something that was read, and what was seen of files for it.
 pub(crate) struct Read<T> {
     pub value: T,
-    seen: Vec<FileState>,
+    seen: Seen,
 }
 
 /// Labels, and the notes of their reader.
@@ -440,7 +439,7 @@ impl Key for LayersKey {
 
 #[derive(Clone, PartialEq)]
 struct MaskKey {
-    files: States,
+    labels: ContentId,
     ids: Vec<u32>,
 }
 

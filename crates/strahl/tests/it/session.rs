@@ -194,6 +194,128 @@ fn a_file_is_read_again_only_if_it_has_changed() {
     assert_eq!(session.read().made, 2);
 }
 
+/// Draws `text` in `session` and in a session of its own; both have to be the same. What is drawn.
+fn as_if_fresh(session: &Session, text: &str) -> Image {
+    let scene = Scene::parse("scene", text).unwrap();
+    let image = draw(session, &scene);
+    assert_eq!(image, draw(&Session::new(), &scene), "{text}");
+    image
+}
+
+fn write_later(path: &Path, bytes: &[u8], seconds: u64) {
+    std::fs::write(path, bytes).unwrap();
+    let later = std::time::SystemTime::now() + std::time::Duration::from_secs(seconds);
+    let file = std::fs::File::options().write(true).open(path).unwrap();
+    file.set_modified(later).unwrap();
+}
+
+#[test]
+fn a_mask_of_labels_is_made_anew_if_their_data_changes_behind_a_header() {
+    let folder = tempfile::tempdir().unwrap();
+    let header = "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 10 10 10\nspace: right-anterior-superior\n\
+                  space directions: (3,0,0) (0,3,0) (0,0,3)\nspace origin: (-13.5,-13.5,-13.5)\nencoding: raw\n";
+    let halves = |is_first: bool| -> Vec<u8> {
+        let is_in = |i: usize| (i % 10 < 5) == is_first;
+        (0..1000).map(|i| u8::from(is_in(i))).collect()
+    };
+    let masks = folder.path().join("masks");
+    std::fs::create_dir(&masks).unwrap();
+    let detached = folder.path().join("labels.nhdr");
+    let with_data = format!("{header}data file: labels.raw\n");
+    std::fs::write(&detached, with_data).unwrap();
+    for path in [&detached, &masks] {
+        let session = Session::new();
+        let pictures = [true, false].map(|is_first| {
+            let (file, mut bytes) = match path == &masks {
+                true => (masks.join("liver.nrrd"), format!("{header}\n").into_bytes()),
+                false => (folder.path().join("labels.raw"), Vec::new()),
+            };
+            bytes.extend(halves(is_first));
+            write_later(&file, &bytes, if is_first { 10 } else { 50 });
+            as_if_fresh(
+                &session,
+                &format!(
+                    r#"{{ "size": [24, 20], "volume": {{ "phantom": "anatomy", "dims": [16, 16, 16] }},
+                        "clips": [{{ "mask": {{ "path": {path:?}, "labels": [1] }} }}] }}"#
+                ),
+            )
+        });
+        assert_ne!(pictures[0], pictures[1], "{path:?}");
+    }
+}
+
+/// A slice of a series of CT, 8 × 8 × 2 mm.
+fn slice(number: u32) -> Vec<u8> {
+    let mut bytes = vec![0; 128];
+    bytes.extend(b"DICM");
+    let mut add = |group: u16, element: u16, vr: &str, value: &[u8]| {
+        let padding = value.len() % 2;
+        bytes.extend(group.to_le_bytes());
+        bytes.extend(element.to_le_bytes());
+        bytes.extend(vr.as_bytes());
+        if vr == "OW" {
+            bytes.extend([0, 0]);
+            bytes.extend((value.len() as u32).to_le_bytes());
+        } else {
+            bytes.extend(((value.len() + padding) as u16).to_le_bytes());
+        }
+        bytes.extend(value);
+        bytes.extend(&[if vr == "UI" { 0 } else { b' ' }][..padding]);
+    };
+    let class = b"1.2.840.10008.5.1.4.1.1.2";
+    let instance = format!("1.2.3.4.{number}");
+    add(0x02, 0x10, "UI", b"1.2.840.10008.1.2.1");
+    add(0x08, 0x16, "UI", class);
+    add(0x08, 0x18, "UI", instance.as_bytes());
+    add(0x08, 0x60, "CS", b"CT");
+    add(0x20, 0x0D, "UI", b"1.2.3.5");
+    add(0x20, 0x0E, "UI", b"1.2.3.6");
+    add(0x20, 0x13, "IS", number.to_string().as_bytes());
+    add(0x20, 0x32, "DS", format!("0\\0\\{}", 2 * number).as_bytes());
+    add(0x20, 0x37, "DS", b"1\\0\\0\\0\\1\\0");
+    add(0x28, 0x02, "US", &1u16.to_le_bytes());
+    add(0x28, 0x04, "CS", b"MONOCHROME2");
+    add(0x28, 0x10, "US", &8u16.to_le_bytes());
+    add(0x28, 0x11, "US", &8u16.to_le_bytes());
+    add(0x28, 0x30, "DS", b"2\\2");
+    add(0x28, 0x100, "US", &16u16.to_le_bytes());
+    add(0x28, 0x101, "US", &16u16.to_le_bytes());
+    add(0x28, 0x102, "US", &15u16.to_le_bytes());
+    add(0x28, 0x103, "US", &0u16.to_le_bytes());
+    let number_of = |i: u32| (i * 37 * (number + 1) % 1000) as u16;
+    let pixels: Vec<u8> = (0..64).flat_map(|i| number_of(i).to_le_bytes()).collect();
+    add(0x7FE0, 0x10, "OW", &pixels);
+    bytes
+}
+
+#[test]
+fn a_slice_that_comes_late_is_seen_and_a_picture_beside_the_series_is_not() {
+    let folder = tempfile::tempdir().unwrap();
+    let series = folder.path().join("series");
+    std::fs::create_dir(&series).unwrap();
+    let write = |number: u32| {
+        let path = series.join(format!("{number:03}.dcm"));
+        std::fs::write(path, slice(number)).unwrap();
+    };
+    (1..5).for_each(write);
+    // By a file of it, its folder, and the folder above.
+    for (late, path) in (5..).zip([series.join("001.dcm"), series.clone(), folder.path().into()]) {
+        let session = Session::new();
+        let text =
+            format!(r#"{{ "size": [24, 20], "volume": {{ "path": {path:?} }}, "method": "mip" }}"#);
+        let before = as_if_fresh(&session, &text);
+        if path.is_file() {
+            // In a folder, a reader looks at every file.
+            std::fs::write(series.join(format!("{late}.png")), "a picture").unwrap();
+            assert_eq!(as_if_fresh(&session, &text), before);
+            assert_eq!(session.read().made, 1, "{path:?}");
+        }
+        write(late);
+        assert_ne!(as_if_fresh(&session, &text), before, "{path:?}");
+        assert_eq!(session.read().made, 2, "{path:?}");
+    }
+}
+
 /// What a control has heard.
 type Heard = Arc<Mutex<Vec<(Work, f64)>>>;
 
