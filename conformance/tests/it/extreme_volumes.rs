@@ -1,12 +1,14 @@
 //! Volumes at the edge of what there is: each gives a picture, and the right one.
 
-use crate::simple::{self, centered, draw, grey, of_samples, parallel, plan, value_shown};
-use glam::{DMat3, DVec3};
+use crate::importance::drawn;
+use crate::simple::{self, centered, cut_box, draw, grey, of_samples, parallel, plan, value_shown};
+use glam::{DAffine3, DMat3, DVec3};
+use strahl_conformance::agreement::{Agreement, agreement};
 use strahl_conformance::renderers;
-use strahl_scene::plan::Composite;
+use strahl_scene::plan::{ClipShape, Composite};
 use strahl_scene::{Method, Scene, resolve};
 use strahl_shader::registry::Function;
-use strahl_volume::{Samples, Volume};
+use strahl_volume::{Datasets, Samples, Volume};
 
 /// Those that show the value of a volume that has one value only.
 const SHOWING_VALUES: [Composite; 5] = [
@@ -121,4 +123,47 @@ fn a_flat_volume_is_lit_as_if_unlit() {
     flat.technique_mut().shade = simple::blinn_phong(0.1, 0.5, 0.9, 3.0);
     assert_eq!(unlit, draw(&volume, &flat));
     assert_eq!(unlit.len(), renderers().len() * 48);
+}
+
+#[test]
+fn a_mask_is_nowhere_beside_voxels_without_a_value() {
+    let volume = of_samples(
+        centered([12; 3], DMat3::IDENTITY),
+        Samples::U8(vec![200; 1728]),
+    );
+    let value = |i: usize| match i % 29 {
+        0 => f32::NAN,
+        7 => f32::INFINITY,
+        19 => f32::NEG_INFINITY,
+        n => n as f32,
+    };
+    let mask_grid = centered([5; 3], DMat3::from_diagonal(DVec3::splat(2.6)));
+    // Below every value, and between them.
+    for threshold in [-1.0, 14.5] {
+        for keep_inside in [true, false] {
+            let mask = of_samples(mask_grid, Samples::F32((0..125).map(value).collect()));
+            let mut plan = plan(
+                &volume,
+                parallel(DVec3::new(0.3, 0.9, 0.2).normalize(), 40.0, 9.0),
+                grey(0.0, 255.0),
+            );
+            let mut clip = cut_box(DAffine3::from_scale(DVec3::splat(1.0 / 13.0)), keep_inside);
+            clip.shape = ClipShape::Mask { mask: 0, threshold };
+            plan.sample_clips.push(clip);
+            let mut data = Datasets::from(&volume);
+            data.masks.push((&mask).into());
+            let drawn = drawn(&data, &plan);
+            let first = &drawn[0].1;
+            // Were such voxels above or below everything, one of the pictures would be empty.
+            let lit = first.pixels().iter().filter(|pixel| pixel[3] > 0.0).count();
+            assert!(lit > 0, "{threshold} {keep_inside}");
+            for (renderer, image) in &drawn[1..] {
+                let Agreement { psnr_db, .. } = agreement(first, image);
+                assert!(
+                    psnr_db > 60.0,
+                    "{renderer}, {threshold}, {keep_inside}: {psnr_db}"
+                );
+            }
+        }
+    }
 }

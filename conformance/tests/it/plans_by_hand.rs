@@ -5,13 +5,13 @@ use crate::segments::{any_segments, data};
 use strahl_conformance::device;
 use strahl_evaluate::Evaluator;
 use strahl_scene::plan::{
-    Composite, Curve, Field, MOST_LAYERS, Plan, Sampling, SegmentLook, Segments,
+    Composite, Curve, Field, MOST_LAYERS, Plan, Reconstruct, Sampling, SegmentLook, Segments,
 };
 use strahl_volume::{Control, Datasets};
 
 type Change = fn(&mut Plan);
 
-const WHOLE: [(Change, &str); 17] = [
+const WHOLE: [(Change, &str); 18] = [
     (|plan| plan.width = 0, "width is 0; it has to be 1 to 65535"),
     (|plan| plan.height = 65_536, "height is 65536"),
     (|plan| plan.lattice.frames = 0, "lattice.frames is 0"),
@@ -76,6 +76,13 @@ const WHOLE: [(Change, &str); 17] = [
             };
         },
         "is for one layer by emission and absorption",
+    ),
+    (
+        |plan| {
+            add_the_same(plan);
+            plan.fields[1].reconstruct = Reconstruct::Nearest;
+        },
+        "which have to be the same",
     ),
 ];
 

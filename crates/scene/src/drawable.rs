@@ -1,8 +1,8 @@
 //! What every renderer may rely on in a Plan, also in one that was changed by hand.
 
 use crate::plan::{
-    Classify, Composite, Labeled, MOST_EDGE_PIXELS, MOST_FRAMES, MOST_GROUPS, MOST_LAYERS, Plan,
-    PlanImportance, Sampling, Segments,
+    Classify, Composite, Field, Labeled, MOST_EDGE_PIXELS, MOST_FRAMES, MOST_GROUPS, MOST_LAYERS,
+    Plan, PlanImportance, Sampling, Segments,
 };
 
 /// That groups of segments are there, and have numbers.
@@ -123,6 +123,16 @@ impl Plan {
                     self.check_segments()?;
                 }
             }
+        }
+        let first = &self.fields[self.layers[0].field];
+        let ways = |field: &Field| (field.fetch, field.reconstruct, field.gradient);
+        let mut fields = self.layers.iter().map(|layer| &self.fields[layer.field]);
+        if let Some(other) = fields.find(|field| ways(field) != ways(first)) {
+            return Err(format!(
+                "layers read {:?} and {:?} (fetch, reconstruct, gradient), which have to be the same",
+                ways(first),
+                ways(other)
+            ));
         }
         let mixes = |layer: usize| self.technique_of(layer).composite.mixes_layers();
         match self.layers.len() == 1 || (0..self.layers.len()).all(mixes) {

@@ -5,7 +5,8 @@ fn mask(index: u32, place: vec3f) -> f32 {
     }
     let last = mask_dims(index) - 1;
     let position = clamp(place * vec3f(last + 1) - 0.5, vec3f(0.0), vec3f(last));
-    let low = vec3i(position);
+    // The last voxel belongs to the last cell: its value may be none.
+    let low = min(vec3i(position), max(last - 1, vec3i(0)));
     let high = min(low + 1, last);
     let part = position - vec3f(low);
     let near = mix(

@@ -1,5 +1,5 @@
-//! Drops what lies where a mask is not above a threshold, or where it is. Outside the mask's extent is no
-//! mask.
+//! Drops what lies where a mask is not above a threshold, or where it is. Outside the mask's extent,
+//! and beside voxels without a value, is no mask.
 struct Params {
     /// First row of the affine map from the world (mm) to the cube from -0.5 to 0.5 that the mask's extent is, then its shift.
     /// default (0.01, 0, 0, 0)
@@ -37,6 +37,7 @@ fn clip_sample(place_mm: vec3f) -> bool {
     if ((params.objects >> object()) & 1u) == 0u {
         return false;
     }
-    let inside = mask(params.mask, unit(place_mm) + 0.5) > params.threshold;
+    let number = mask(params.mask, unit(place_mm) + 0.5);
+    let inside = is_finite(number) && number > params.threshold;
     return inside != (params.keep_inside == 1u);
 }
