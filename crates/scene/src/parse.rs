@@ -1,7 +1,7 @@
 //! Text ↔ Scene: JSON with comments and trailing commas.
 
-use crate::Scene;
 use crate::nearest::nearest;
+use crate::{Method, Scene};
 use serde::de::{Deserialize, Deserializer, Visitor};
 use serde::forward_to_deserialize_any;
 use serde_json::error::Category;
@@ -290,6 +290,12 @@ fn unknown_name(path: &str, why: &str) -> (String, String) {
     if !known.is_empty() {
         let separator = if sentence.ends_with('?') { " " } else { "; " };
         sentence.push_str(&format!("{separator}known are {}", known.join(", ")));
+    }
+    let of_samples = Method::ALL.iter().any(|method| method.name() == found);
+    if !is_key && path.ends_with("composite") && of_samples {
+        sentence.push_str(&format!(
+            ". {found:?} is a rule for samples: set `method` to it, of the scene or of a technique"
+        ));
     }
     (path, sentence)
 }

@@ -7,7 +7,7 @@ use crate::problem::{Checker, Within};
 use crate::segments::{OfGroup, SegmentChoice, SegmentComposite, SegmentUse};
 use crate::technique::{SCENE, SOLID, SegmentTechnique};
 use crate::{Color, light};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use strahl_volume::Label;
 
 /// What a list of uses comes to for one segment.
@@ -284,13 +284,34 @@ fn notes_of(path: &str, uses: &[SegmentUse], labels: &LabelHeader, notes: &mut V
                         .labels
                         .iter()
                         .flat_map(|label| label.group.as_deref());
-                    (format!("the group {group:?}"), nearest(group, groups))
+                    let what = format!("the group {group:?}");
+                    match nearest(group, groups.clone()) {
+                        None => (format!("{what}; {}", all_groups(groups)), None),
+                        near => (what, near),
+                    }
                 }
                 SegmentChoice::List(_) | SegmentChoice::But(_) => continue,
             };
             let near = near.map_or(String::new(), |near| format!("; did you mean {near:?}?"));
             notes.push(format!("{path}[{i}].of: no segment has {what}{near}"));
         }
+    }
+}
+
+/// The names of the groups that there are, for who named another one.
+fn all_groups<'a>(groups: impl Iterator<Item = &'a str>) -> String {
+    /// More would not be read.
+    const MOST: usize = 12;
+    let all: BTreeSet<&str> = groups.collect();
+    let named: Vec<String> = all
+        .iter()
+        .take(MOST)
+        .map(|name| format!("{name:?}"))
+        .collect();
+    match all.len() {
+        0 => "the labels have no groups".to_owned(),
+        n if n > MOST => format!("there are {n} groups, such as {}", named.join(", ")),
+        _ => format!("the groups are {}", named.join(", ")),
     }
 }
 

@@ -131,7 +131,7 @@ pub struct DrawFlags {
     pub opacity: Option<String>,
 
     /// Shading model; unlit shows the plain colors
-    #[arg(long, value_name = "MODEL",
+    #[arg(long, alias = "shading", value_name = "MODEL",
           value_parser = PossibleValuesParser::new(ShadingModel::ALL.map(ShadingModel::name)), hide_short_help = true)]
     pub shade: Option<String>,
 

@@ -151,7 +151,7 @@ fn segments_need_no_label_file() {
     let (other, said) = draw("other.png", masks, r#"{ "group": "outside" }"#);
     assert!(equal != other);
     assert!(
-        said.contains(r#"no segment has the group "outside""#),
+        said.contains(r#"no segment has the group "outside"; the labels have no groups"#),
         "{said}"
     );
     // The picture knows its masks; as layers it is drawn by flags, too.

@@ -59,6 +59,19 @@ fn mistakes_are_named() {
 }
 
 #[test]
+fn a_rule_for_samples_in_place_of_one_for_runs_is_sent_to_its_key() {
+    let text = message(r#"{ "composite": "opacity-peeling" }"#);
+    assert!(text.contains("set `method` to it"), "{text}");
+    let text = message(r#"{ "techniques": { "a": { "composite": "mida" } } }"#);
+    assert!(text.contains("set `method` to it"), "{text}");
+    let text = message(r#"{ "composite": "peeling" }"#);
+    assert!(
+        text.contains("unknown value") && !text.contains("method"),
+        "{text}"
+    );
+}
+
+#[test]
 fn deep_and_long_texts_are_refused() {
     let deep = format!("{{ \"clips\": {} }}", "[".repeat(100_000));
     assert!(message(&deep).starts_with("scene.json:1:"));
