@@ -13,7 +13,7 @@ use strahl_scene::transfer::TransferTable;
 use strahl_volume::{Control, Datasets, Grid, LabelVolume, Samples, Volume};
 
 /// The pictures of all renderers.
-fn drawn(data: &Datasets, plan: &Plan) -> Vec<(&'static str, Image)> {
+pub fn drawn(data: &Datasets, plan: &Plan) -> Vec<(&'static str, Image)> {
     let here = Evaluator::new(data.clone()).render(plan, &Control::NONE);
     let mut drawn = vec![
         ("CPU", draw(data.clone(), plan).image),
@@ -195,6 +195,10 @@ fn samples_are_as_important_as_their_places() {
             let mut seen = Seen::default();
             for (place, color, opacity) in samples(&plan, x, y) {
                 let own = gain * importance(&mask, &plan, place);
+                // Next to nothing would be seen of it.
+                if 1.0 - seen.alpha < 1.0 / 256.0 && own - seen.importance < 1.0 / 256.0 {
+                    continue;
+                }
                 seen.add(color.map(|c| c * opacity), opacity, own);
             }
             seen

@@ -202,7 +202,7 @@ impl<'p, S: Level> Object<'p, S> {
     }
 
     /// Whether samples have the opacity that a table gives them, and need nothing of earlier ones.
-    fn is_of_single_samples(&self) -> bool {
+    pub fn is_of_single_samples(&self) -> bool {
         self.classify == Classify::Table && self.shading.is_of_single_samples()
     }
 

@@ -1,6 +1,7 @@
 //! Importance-aware compositing (F. de Moura Pinto and C. M. D. S. Freitas 2010): a sample that is more important than what
 //! lies before it shines through, by as much as its importance asks; the opacity of the ray stays that of emission and
-//! absorption. The ray ends when nothing more important can come and less than 1/256 of light still passes.
+//! absorption. Where less than 1/256 of light still passes, samples that ask for no more than that are left out; the ray
+//! ends there when nothing that could come asks for more.
 struct Params {
     /// What is important: 0 steep places, 1 silhouettes, 2 places that a light at the eye lights badly, 3 large values, 4
     /// everything alike, 5 what the importance volume of the scene says.
@@ -35,6 +36,9 @@ struct State {
     alpha: f32,
     importance: f32,
 }
+
+// Below this share of light nothing is seen. A sample asks for 1 - exp(-rise) of it, which is below its rise.
+const LEAST_LIGHT = 0.00390625;
 
 fn composite_start() -> State {
     return State(vec3f(0.0), 0.0, 0.0);
@@ -81,6 +85,9 @@ fn composite_add(state: State, sample: Sample) -> State {
     }
     let own = params.gain * importance(sample);
     let rise = own - state.importance;
+    if 1.0 - state.alpha < LEAST_LIGHT && rise < LEAST_LIGHT {
+        return state;
+    }
     var kept = 1.0;
     if rise > 0.0 {
         let visibility = 1.0 - exp(-rise);
@@ -102,7 +109,7 @@ fn composite_add(state: State, sample: Sample) -> State {
 
 fn composite_done(state: State) -> bool {
     let most = select(1.0, 3.0, params.measure == 2u);
-    return 1.0 - state.alpha < 0.00390625 && state.importance >= params.gain * most;
+    return 1.0 - state.alpha < LEAST_LIGHT && params.gain * most - state.importance < LEAST_LIGHT;
 }
 
 fn composite_finish(state: State) -> vec4f {

@@ -7,6 +7,7 @@ use crate::elementary::{exp_of_negative, ln_of_share, powers_of_share};
 use crate::lanes::{F32s, Mask, Vec3s, dot, each, length, scale, unit};
 use crate::levels::{Level, inlined, vectorized};
 use crate::library::classify::Surface;
+use crate::scenery::Look;
 
 /// By a measure of importance. Of a [`State`] it uses `color` and `alpha`, and `value`, the importance so far.
 #[derive(Clone, Copy)]
@@ -25,6 +26,56 @@ impl ImportanceAware {
     /// Whether the importance of a sample hangs on its gradient.
     fn is_of_gradient(&self) -> bool {
         !(3..=5).contains(&self.measure)
+    }
+
+    /// What is to be added of `sample`, with its importance; `None` if nothing.
+    #[inline(always)]
+    fn look<S: Level>(
+        &self,
+        state: &mut State<S>,
+        sample: &Sample<S>,
+    ) -> Option<(Look<S>, F32s<S>)> {
+        let object = sample.crossing.object;
+        let zero = F32s::zero();
+        let mut normal = state.last_normal;
+        if !object.is_of_single_samples() {
+            let (mut look, gradient) = match self.is_of_gradient() {
+                true => sample.look_and_gradient(&mut normal),
+                false => (sample.look(&mut normal), [zero; 3]),
+            };
+            state.last_normal = normal;
+            if !look.visible.any() {
+                return None;
+            }
+            let own = self.importance(sample, gradient) * F32s::splat(self.gain);
+            look.visible = look.visible & !is_lost(state, own);
+            return Some((look, own));
+        }
+        // What is lost needs no light, which takes longest.
+        let shown = sample.sampled & zero.lt(object.table.opacity_at(sample.value));
+        if !shown.any() {
+            return None;
+        }
+        let gradient = match self.is_of_gradient() {
+            true => sample.gradient(shown),
+            false => [zero; 3],
+        };
+        let own = self.importance(sample, gradient) * F32s::splat(self.gain);
+        let visible = shown & !is_lost(state, own);
+        if !visible.any() {
+            return None;
+        }
+        let mut surface = object.table.at(sample.value);
+        if !object.shading.is_unlit() {
+            surface = match self.is_of_gradient() {
+                true => sample.shade_by(surface, gradient, visible, &mut normal),
+                false => sample
+                    .crossing
+                    .shade(surface, sample.position, visible, &mut normal),
+            };
+        }
+        surface.opacity = object.of_step(surface.opacity);
+        Some((Look { surface, visible }, own))
     }
 
     /// The importance of samples before the gain, by their gradients where it hangs on them.
@@ -127,36 +178,39 @@ impl<S: Level> Accumulated<S> {
 impl Rule for ImportanceAware {
     #[inline(always)]
     fn add<S: Level>(&self, state: &mut State<S>, sample: &Sample<S>) -> Mask<S> {
-        let mut normal = state.last_normal;
-        let (look, gradient) = match self.is_of_gradient() {
-            true => sample.look_and_gradient(&mut normal),
-            false => (sample.look(&mut normal), [F32s::zero(); 3]),
+        let Some((look, own)) = self.look(state, sample) else {
+            return Mask::none();
         };
-        state.last_normal = normal;
-        if look.visible.any() {
-            let own = self.importance(sample, gradient) * F32s::splat(self.gain);
-            let Surface { color, opacity } = look.surface;
-            let mut seen = Accumulated {
-                color: state.color,
-                alpha: state.alpha,
-                importance: state.value,
-            };
-            // Shading may have left nothing of it.
-            let adding = look.visible & F32s::zero().lt(opacity);
-            seen.add(adding, scale(color, opacity), opacity, own);
-            (state.color, state.alpha, state.value) = (seen.color, seen.alpha, seen.importance);
-        }
+        let Surface { color, opacity } = look.surface;
+        let mut seen = Accumulated {
+            color: state.color,
+            alpha: state.alpha,
+            importance: state.value,
+        };
+        // Shading may have left nothing of it.
+        let adding = look.visible & F32s::zero().lt(opacity);
+        seen.add(adding, scale(color, opacity), opacity, own);
+        (state.color, state.alpha, state.value) = (seen.color, seen.alpha, seen.importance);
         look.visible
     }
 
-    /// Where nothing more important can come, and too little would come through.
+    /// Where next to nothing more would be seen of whatever comes.
     #[inline(always)]
     fn done<S: Level>(&self, state: &State<S>) -> Mask<S> {
         let most = if self.measure == 2 { 3.0 } else { 1.0 };
-        let passing = F32s::splat(1.0) - state.alpha;
-        let is_opaque = passing.lt(F32s::splat(1.0 / 256.0));
-        is_opaque & F32s::splat(self.gain * most).le(state.value)
+        is_lost(state, F32s::splat(self.gain * most))
     }
+}
+
+/// Below this share of light nothing is seen.
+const LEAST_LIGHT: f32 = 1.0 / 256.0;
+
+/// Where next to nothing would be seen of a sample that is `own` important: too little light passes, and it asks for no
+/// more. It asks for 1 − e^−rise, which is below `rise`.
+#[inline(always)]
+fn is_lost<S: Level>(state: &State<S>, own: F32s<S>) -> Mask<S> {
+    let least = F32s::splat(LEAST_LIGHT);
+    (F32s::splat(1.0) - state.alpha).lt(least) & (own - state.value).lt(least)
 }
 
 #[cfg(test)]
