@@ -173,6 +173,10 @@ fn of_several_volumes() {
         let second = random.plan(&volumes[1], [19, 13]);
         let mut field = *second.field();
         field.volume = 1;
+        // All layers read their fields the same way.
+        let first = *plan.field();
+        (field.fetch, field.reconstruct) = (first.fetch, first.reconstruct);
+        field.gradient = first.gradient;
         // As large as the first one, and a little beside it.
         let mut placed = volumes[0].grid().world_from_voxel();
         placed.translation += 0.2 * (volumes[0].grid().center_mm() - placed.translation);
