@@ -126,7 +126,7 @@ fn a_flat_volume_is_lit_as_if_unlit() {
 }
 
 #[test]
-fn a_mask_is_nowhere_beside_voxels_without_a_value() {
+fn a_mask_does_not_cover_cells_with_voxels_that_are_not_finite() {
     let volume = of_samples(
         centered([12; 3], DMat3::IDENTITY),
         Samples::U8(vec![200; 1728]),
@@ -154,7 +154,7 @@ fn a_mask_is_nowhere_beside_voxels_without_a_value() {
             data.masks.push((&mask).into());
             let drawn = drawn(&data, &plan);
             let first = &drawn[0].1;
-            // Were such voxels above or below everything, one of the pictures would be empty.
+            // Something is drawn: if the mask covered all or nothing, one of the two pictures would be empty.
             let lit = first.pixels().iter().filter(|pixel| pixel[3] > 0.0).count();
             assert!(lit > 0, "{threshold} {keep_inside}");
             for (renderer, image) in &drawn[1..] {

@@ -1,6 +1,7 @@
 //! Instruction sets: which one a picture is drawn with, and what a vector library has no name for.
 
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+#[expect(clippy::disallowed_types, reason = "what a level is, not that it is there")]
 mod x86;
 
 use crate::error::Error;
@@ -86,7 +87,8 @@ impl fmt::Display for InstructionSet {
 
 /// An instruction set as a type, which the ray loop is compiled for.
 ///
-/// Lanes of a level are made only below [`dispatch`], which has found that the CPU has it.
+/// Code for a level runs only below [`dispatch`], which has found that the CPU has it: nowhere else can a level
+/// be chosen, as `clippy.toml` forbids the names of all levels that a CPU might not have.
 pub trait Level: Simd + Send + Sync {
     /// Whether loops and reconstruction are compiled for each of the usual types of sample. Without gathers they take
     /// as long as those for any type, and longer to compile than all else here.
@@ -276,6 +278,7 @@ pub fn dispatch<T: Task>(set: InstructionSet, task: T) -> T::Output {
     } else {
         InstructionSet::Portable
     };
+    #[allow(clippy::disallowed_types, reason = "the CPU has it")]
     match set {
         #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
         InstructionSet::Avx512 => task.run::<fearless_simd::x86::Avx512>(),

@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::io;
 use std::path::{Component, Path, PathBuf};
+use std::time::SystemTime;
 use strahl_volume::read::{Bytes, Files};
 
 /// A folder, the folder around one file, or a list of files.
@@ -89,6 +90,16 @@ impl Folder {
         }
     }
 
+    /// When a file was last added to the folder or taken out of it; not known of a list of files.
+    pub(crate) fn last_change(&self) -> Option<SystemTime> {
+        match &self.0 {
+            Source::Around(folder, ..) | Source::Tree(folder, _) => {
+                fs::metadata(folder).ok()?.modified().ok()
+            }
+            Source::Listed(_) => None,
+        }
+    }
+
     /// Where the file `name` lies.
     pub(crate) fn path_of(&self, name: &str) -> io::Result<PathBuf> {
         match &self.0 {
@@ -110,9 +121,7 @@ impl Folder {
 impl Files for Folder {
     fn names(&self) -> Vec<String> {
         match &self.0 {
-            Source::Around(folder, ..) => list(folder)
-                .map(|(files, _)| files.into_keys().collect())
-                .unwrap_or_default(),
+            Source::Around(..) => self.current_names(),
             Source::Listed(files) | Source::Tree(_, files) => files.keys().cloned().collect(),
         }
     }

@@ -8,7 +8,7 @@ use std::fs;
 use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
-use std::time::SystemTime;
+use std::time::{Duration, SystemTime};
 use strahl_volume::read::{
     Bytes, Files, LoadedComponents, LoadedVolume, ReadOptions, read_components, read_file_under,
     read_folder_under, read_label_table,
@@ -162,23 +162,31 @@ fn state(path: &Path) -> Option<(u64, Option<SystemTime>)> {
 struct Listing {
     folder: Folder,
     is_below: bool,
+    /// When the folder had last changed; not known with folders below.
+    last_change: Option<SystemTime>,
     extensions: BTreeSet<String>,
     names: Vec<String>,
 }
 
 impl Listing {
     fn is_same(&self) -> bool {
+        if self.last_change.is_some() && self.last_change == self.folder.last_change() {
+            return true;
+        }
         let now = match self.is_below {
             true => self.folder.names_below().unwrap_or_default(),
             false => self.folder.current_names(),
         };
-        self.counting(now) == self.names
+        now.iter()
+            .filter(|name| self.extensions.contains(extension(name)))
+            .eq(&self.names)
     }
+}
 
-    fn counting(&self, names: Vec<String>) -> Vec<String> {
-        let counts = |name: &String| self.extensions.contains(extension(name));
-        names.into_iter().filter(counts).collect()
-    }
+/// The names that a reader was given, and when the folder had last changed.
+struct GivenNames {
+    names: Vec<String>,
+    last_change: Option<SystemTime>,
 }
 
 /// What stands behind the last dot of a name; nothing if it has none.
@@ -193,7 +201,7 @@ struct RecordingFiles<'w> {
     within: Option<&'w Confinement>,
     opened: Mutex<BTreeMap<String, FileState>>,
     /// In the folder, and in it and below.
-    listed: Mutex<[Option<Vec<String>>; 2]>,
+    listed: Mutex<[Option<GivenNames>; 2]>,
 }
 
 impl RecordingFiles<'_> {
@@ -206,15 +214,19 @@ impl RecordingFiles<'_> {
             .keys()
             .map(|name| extension(name).to_owned())
             .collect();
-        let listing = |(names, is_below): (Option<Vec<String>>, bool)| {
-            let mut listing = Listing {
+        let listing = |(given, is_below): (Option<GivenNames>, bool)| {
+            let GivenNames {
+                mut names,
+                last_change,
+            } = given?;
+            names.retain(|name| extensions.contains(extension(name)));
+            Some(Listing {
                 folder: self.folder.clone(),
                 is_below,
+                last_change,
                 extensions: extensions.clone(),
-                names: Vec::new(),
-            };
-            listing.names = listing.counting(names?);
-            Some(listing)
+                names,
+            })
         };
         let listed = listed.into_iter().zip([false, true]);
         Seen {
@@ -223,22 +235,36 @@ impl RecordingFiles<'_> {
         }
     }
 
-    fn note_names(&self, is_below: bool, names: &[String]) {
+    fn note_names(&self, is_below: bool, names: &[String], last_change: Option<SystemTime>) {
         let mut listed = self.listed.lock().unwrap_or_else(PoisonError::into_inner);
-        listed[usize::from(is_below)].get_or_insert_with(|| names.to_vec());
+        listed[usize::from(is_below)].get_or_insert_with(|| GivenNames {
+            names: names.to_vec(),
+            last_change,
+        });
     }
+}
+
+/// How coarse the clocks of file systems are, at worst: FAT counts in steps of two seconds.
+const CLOCK_STEP: Duration = Duration::from_secs(2);
+
+/// A time that tells apart what follows it from what was before: `time`, if the clock has gone on since.
+fn settled(time: SystemTime) -> Option<SystemTime> {
+    let has_gone_on = time.elapsed().is_ok_and(|elapsed| elapsed > CLOCK_STEP);
+    has_gone_on.then_some(time)
 }
 
 impl Files for RecordingFiles<'_> {
     fn names(&self) -> Vec<String> {
+        // Before it is listed: what is added meanwhile is a change.
+        let last_change = self.folder.last_change().and_then(settled);
         let names = self.folder.names();
-        self.note_names(false, &names);
+        self.note_names(false, &names, last_change);
         names
     }
 
     fn names_below(&self) -> io::Result<Vec<String>> {
         let names = self.folder.names_below()?;
-        self.note_names(true, &names);
+        self.note_names(true, &names, None);
         Ok(names)
     }
 

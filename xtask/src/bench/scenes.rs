@@ -12,7 +12,7 @@ use std::process::Command;
 const EXAMPLE: &str = "crates/cpu/examples/time_scenes.rs";
 
 /// The share of the older speed that is allowed.
-const ALLOWED: f64 = 0.95;
+const ALLOWED: f64 = 0.97;
 
 /// What is to be compared.
 #[derive(clap::Args)]

@@ -77,7 +77,7 @@ impl Level for Avx512 {
 
     #[inline(always)]
     fn proof() -> Avx512 {
-        // SAFETY: only code below `dispatch` is compiled for this level.
+        // SAFETY: code for this level runs only below `dispatch`, as nothing else may name it.
         unsafe { Avx512::assume_supported() }
     }
 
@@ -182,7 +182,7 @@ impl Level for Avx2 {
 
     #[inline(always)]
     fn proof() -> Avx2 {
-        // SAFETY: only code below `dispatch` is compiled for this level.
+        // SAFETY: code for this level runs only below `dispatch`, as nothing else may name it.
         unsafe { Avx2::assume_supported() }
     }
 

@@ -42,7 +42,7 @@ const ROUNDING: f32 = 1.0 / (1 << 18) as f32;
 /// it was made of, without its sign.
 #[inline(always)]
 pub fn above_rounding<S: Level>(in_voxel: Vec3s<S>, largest: F32s<S>) -> Vec3s<S> {
-    let [x, y, z] = in_voxel.map(F32s::abs);
+    let [x, y, z] = each!(in_voxel, |c| c.abs());
     let is_more = (largest * F32s::splat(ROUNDING)).lt(x.max(y).max(z));
     each!(in_voxel, |c| is_more.select(c, F32s::zero()))
 }

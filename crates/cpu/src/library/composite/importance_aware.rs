@@ -48,10 +48,10 @@ impl ImportanceAware {
                 return None;
             }
             let own = self.importance(sample, gradient) * F32s::splat(self.gain);
-            look.visible = look.visible & !is_lost(state, own);
+            look.visible = look.visible & !is_negligible(state, own);
             return Some((look, own));
         }
-        // What is lost needs no light, which takes longest.
+        // What is negligible needs no light, which takes longest.
         let shown = sample.sampled & zero.lt(object.table.opacity_at(sample.value));
         if !shown.any() {
             return None;
@@ -61,7 +61,7 @@ impl ImportanceAware {
             false => [zero; 3],
         };
         let own = self.importance(sample, gradient) * F32s::splat(self.gain);
-        let visible = shown & !is_lost(state, own);
+        let visible = shown & !is_negligible(state, own);
         if !visible.any() {
             return None;
         }
@@ -198,7 +198,7 @@ impl Rule for ImportanceAware {
     #[inline(always)]
     fn done<S: Level>(&self, state: &State<S>) -> Mask<S> {
         let most = if self.measure == 2 { 3.0 } else { 1.0 };
-        is_lost(state, F32s::splat(self.gain * most))
+        is_negligible(state, F32s::splat(self.gain * most))
     }
 }
 
@@ -208,7 +208,7 @@ const LEAST_LIGHT: f32 = 1.0 / 256.0;
 /// Where next to nothing would be seen of a sample that is `own` important: too little light passes, and it asks for no
 /// more. It asks for 1 − e^−rise, which is below `rise`.
 #[inline(always)]
-fn is_lost<S: Level>(state: &State<S>, own: F32s<S>) -> Mask<S> {
+fn is_negligible<S: Level>(state: &State<S>, own: F32s<S>) -> Mask<S> {
     let least = F32s::splat(LEAST_LIGHT);
     (F32s::splat(1.0) - state.alpha).lt(least) & (own - state.value).lt(least)
 }
