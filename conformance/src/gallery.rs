@@ -204,6 +204,26 @@ const CHOSEN: &[(&str, &str, &str)] = &[
         solid!(r#""shading": { "model": "gradient-opacity" }"#),
     ),
     (
+        "illustrate",
+        "depth-cue",
+        solid!(r#""functions": { "illustrate": { "module": "depth_cue" } }"#),
+    ),
+    (
+        "illustrate",
+        "silhouette",
+        solid!(r#""functions": { "illustrate": { "module": "silhouette" } }"#),
+    ),
+    (
+        "illustrate",
+        "contour-lines",
+        solid!(r#""functions": { "illustrate": { "module": "contour_lines" } }"#),
+    ),
+    (
+        "illustrate",
+        "halo",
+        solid!(r#""functions": { "illustrate": { "module": "halo" } }"#),
+    ),
+    (
         "composite",
         "emission-absorption",
         solid!(r#""method": "emission-absorption""#),

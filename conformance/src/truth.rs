@@ -23,7 +23,7 @@ use glam::{DAffine3, DVec3};
 use set_up::SetUp;
 use strahl_scene::plan::{
     Classify, ClipShape, Composite, Compositing, Fetch, GradientInput, GradientMethod, Illuminate,
-    Jitter, Plan, Projection, Reconstruct, SampleClip, Sampling, Shade,
+    Illustrate, Jitter, Plan, Projection, Reconstruct, SampleClip, Sampling, Shade,
 };
 use surface::{Lighting, Seen, classify, illuminate, opacity_of_length};
 
@@ -93,6 +93,7 @@ pub fn covers(plan: &Plan) -> bool {
         && plan.field().gradient == GradientMethod::Central
         && plan.technique().gradient_input == GradientInput::Value
         && lit_well
+        && plan.technique().illustrate == Illustrate::Plain
         && !(projection && plan.technique().shade != Shade::Unlit)
         && (projection
             || matches!(

@@ -30,7 +30,7 @@ fn of_slot(slot: &str) -> Tolerance {
         "clip_ray" | "clip_sample" => alike(ROUNDING, 0.005),
         // Opacity by value: what is nearly transparent is divided by little.
         "classify" | "gradient_input" | "gradient" => alike(CANCELLED, 0.0),
-        "light" | "illuminate" | "shade" => alike(TURNED, 0.002),
+        "light" | "illuminate" | "shade" | "illustrate" => alike(TURNED, 0.002),
         _ => alike(ROUNDING, 0.0),
     }
 }

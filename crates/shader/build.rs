@@ -16,7 +16,7 @@ use parameter::{Parameter, ParameterRelation, Scalar};
 /// An enum of the Plan: its name, what it is, and variants that are no function of their own.
 type Enum = (&'static str, &'static str, &'static str);
 
-const ENUMS: [Enum; 9] = [
+const ENUMS: [Enum; 10] = [
     ("Fetch", "What a voxel holds.", ""),
     ("Reconstruct", "How a value between voxels is found.", ""),
     ("Classify", "Value → colour and opacity.", ""),
@@ -49,6 +49,13 @@ const ENUMS: [Enum; 9] = [
         /// Where the gradient is zero: the last normal of the ray; else, or if there is none yet, unlit.
         keep_last_normal: bool,
     },",
+    ),
+    (
+        "Illustrate",
+        "What illustration changes in the colour of a shaded sample; its opacity stays.",
+        "/// Nothing.
+    #[default]
+    Plain,",
     ),
     (
         "Composite",
@@ -301,7 +308,11 @@ fn plan_enum(
             .filter(|(_, f)| f.plan == *name)
     };
     let has_numbers = own().any(|(_, f)| !f.parameters.is_empty()) || !more.is_empty();
-    let eq = if has_numbers { "" } else { ", Eq, Hash" };
+    let eq = match has_numbers {
+        true if more.contains("#[default]") => ", Default",
+        true => "",
+        false => ", Eq, Hash",
+    };
     writeln!(text, "#[doc = {meaning:?}]")?;
     writeln!(
         text,
@@ -332,10 +343,11 @@ fn plan_enum(
     let rest = match *name {
         "Composite" => "            Composite::Debug(view) => view.function(),\n",
         "Shade" => "            Shade::Unlit | Shade::Lit { .. } => None,\n",
+        "Illustrate" => "            Illustrate::Plain => None,\n",
         _ => "",
     };
-    // `Unlit` is no function, `Lit` one of two.
-    let is_some = *name == "Shade";
+    // `Unlit` and `Plain` are no functions, `Lit` is one of two.
+    let is_some = ["Shade", "Illustrate"].contains(name);
     let (ty, open, close) = match is_some {
         true => ("Option<&'static Function>", "Some(", ")"),
         false => ("&'static Function", "", ""),
@@ -381,6 +393,7 @@ fn plan_enum(
             text,
             "            Shade::Unlit | Shade::Lit {{ .. }} => vec![],"
         )?,
+        "Illustrate" => writeln!(text, "            Illustrate::Plain => vec![],")?,
         _ => {}
     }
     writeln!(text, "        }}\n    }}\n")?;

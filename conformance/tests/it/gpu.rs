@@ -345,12 +345,6 @@ fn random_plans_look_the_same() {
         if plan.field().reconstruct == Reconstruct::CatmullRom {
             plan.field_mut().gradient = GradientMethod::Central;
         }
-        // In constant parts the gradient of a cubic is what rounding leaves, and so is the normal.
-        if matches!(plan.technique().shade, Shade::Lit { .. })
-            && plan.field().reconstruct != Reconstruct::Trilinear
-        {
-            plan.technique_mut().shade = Shade::Unlit;
-        }
         let cpu = match strahl_cpu::Renderer::new(&volume).render(
             &plan,
             &Default::default(),
@@ -364,7 +358,7 @@ fn random_plans_look_the_same() {
         let d = agreement(&cpu, &gpu.unwrap().image);
         drawn += 1;
         // Transfer functions one entry wide, edges of boxes and nearest voxels: single samples flip.
-        if d.far > 0.05 {
+        if d.far > 0.02 {
             failed.push((seed, d.psnr_db, d.far, d.most, plan));
         }
     }

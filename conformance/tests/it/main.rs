@@ -9,6 +9,7 @@ mod formulas;
 mod goldens;
 mod gpu;
 mod graph;
+mod illustration;
 mod importance;
 mod keys;
 mod metamorphic;

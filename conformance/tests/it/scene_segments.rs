@@ -1,7 +1,7 @@
 //! Scenes with labels: what their keys say of segments is what is drawn.
 
 use crate::variants::draw;
-use strahl_scene::plan::{Composite, GradientInput, Plan, SegmentLook};
+use strahl_scene::plan::{Composite, GradientInput, Illustrate, Plan, SegmentLook};
 use strahl_scene::{LabelHeader, Scene, resolve};
 use strahl_volume::{Datasets, LabelVolume, Phantom, Volume};
 
@@ -122,6 +122,11 @@ fn what_does_not_go_together_is_refused_by_name() {
             "techniques.t.functions.gradient is given for a technique; allowed: classify",
         ),
         (
+            r##"{ "techniques": { "t": { "gradient_of": "segment", "transfer_function": { "points": [[0, 0.5, "#fff"]] },
+                "functions": { "classify": { "module": "gradient_table" } } } }, "segments": [{ "of": 1, "technique": "t" }] }"##,
+            r#"techniques.t.gradient_of is "segment" with a transfer function that needs the gradient of the value"#,
+        ),
+        (
             r#"{ "sampling": { "rule": "refine" } }"#,
             r#"sampling is "refine" with segments of labels"#,
         ),
@@ -141,4 +146,41 @@ fn what_does_not_go_together_is_refused_by_name() {
             "{problems} instead of {expected}"
         );
     }
+}
+
+#[test]
+fn a_technique_is_illustrated_for_the_camera_of_its_scene() {
+    let (volume, labels) = anatomy();
+    let header = LabelHeader::from(&labels);
+    let planned = |params: &str, more: &str| {
+        let text = format!(
+            r#"{{ "camera": {{ "view": "left" }}, "techniques": {{ "t": {{ "functions": {{ "illustrate":
+                {{ "module": "depth_cue", "params": {{ {params} }} }} }} }} }}, "segments": [{{ "of": 1, "technique": "t" }}] {more} }}"#
+        );
+        let scene = Scene::parse("scene", &text).unwrap();
+        resolve(&scene, &volume.header(), Some(&header)).unwrap()
+    };
+    let depths = |plan: &Plan| {
+        let cue = plan.techniques.iter().find_map(|t| match t.illustrate {
+            Illustrate::DepthCue {
+                nearest_mm,
+                farthest_mm,
+                ..
+            } => Some([nearest_mm, farthest_mm]),
+            _ => None,
+        });
+        cue.expect("a depth cue")
+    };
+    let plan = planned("", "");
+    let [near, far] = depths(&plan);
+    let corners = plan.field().grid.corners_mm();
+    let of_corners = corners.map(|at| (at - plan.camera.eye_mm).dot(plan.camera.forward));
+    let nearest = of_corners.into_iter().fold(f64::INFINITY, f64::min);
+    let farthest = of_corners.into_iter().fold(0.0, f64::max);
+    assert!(
+        (f64::from(near) - nearest).abs() < 1e-3 * farthest,
+        "{near}"
+    );
+    assert!((f64::from(far) - farthest).abs() < 1e-3 * farthest, "{far}");
+    assert_eq!(depths(&planned(r#""nearest_mm": 5"#, "")), [5.0, far]);
 }

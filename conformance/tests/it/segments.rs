@@ -759,6 +759,16 @@ pub fn any_segments(random: &mut Random) -> (Volume, LabelVolume, Plan) {
         if has_none.contains(&technique.composite) {
             technique.shade = Shade::Unlit;
         }
+        let reads_gradient = matches!(
+            technique.classify,
+            Classify::GradientTable { .. } | Classify::ValueGradient { .. }
+        );
+        if random.once_in(4) && !of_opacity && !reads_gradient {
+            technique.gradient_input = GradientInput::Segment;
+        }
+        if !technique.composite.function().has_place {
+            technique.illustrate = Illustrate::Plain;
+        }
     }
     let grid = match random.once_in(2) {
         true => *volume.grid(),

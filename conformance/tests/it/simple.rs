@@ -116,6 +116,7 @@ pub fn plan(volume: &Volume, camera: PlanCamera, table: TransferTable) -> Plan {
             table,
             gradient_input: GradientInput::Value,
             shade: Shade::Unlit,
+            illustrate: Illustrate::Plain,
             composite: Composite::EmissionAbsorption {
                 stop_at_transmittance: 0.0,
             },

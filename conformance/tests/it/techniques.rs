@@ -62,6 +62,7 @@ pub fn any_technique(random: &mut Random, [low, high]: [f32; 2], of_opacity: boo
             },
             Shade::GradientOpacity { full_per_mm: steep },
         ]),
+        illustrate: any_illustration(random, steep),
         composite: Composite::EmissionAbsorption {
             stop_at_transmittance: 1.0 / 256.0,
         },
@@ -239,4 +240,39 @@ fn objects_of_scenes_have_techniques_of_their_own() {
         let problems = plan(&with(own)).unwrap_err().to_string();
         assert!(problems.contains(message), "{problems}");
     }
+}
+
+/// None, or one of each function.
+pub fn any_illustration(random: &mut Random, steep: f32) -> Illustrate {
+    random.pick(&[
+        Illustrate::Plain,
+        Illustrate::Plain,
+        Illustrate::DepthCue {
+            strength: 0.8,
+            nearest_mm: 20.0,
+            farthest_mm: 60.0,
+            red: 0.1,
+            green: 0.2,
+            blue: 0.5,
+        },
+        Illustrate::Silhouette {
+            strength: 3.0,
+            gradient_weight: 0.5,
+            full_per_mm: steep,
+            from_slant: 0.3,
+            to_slant: 0.8,
+        },
+        Illustrate::Halo {
+            width_mm: 1.5,
+            reach_mm: 8.0,
+            strength: 0.8,
+            steps: 4,
+        },
+        Illustrate::ContourLines {
+            width_mm: 1.2,
+            reach_mm: 1.5,
+            strength: 0.7,
+            softness: 0.5,
+        },
+    ])
 }

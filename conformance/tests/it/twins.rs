@@ -200,6 +200,16 @@ fn choose(plan: &mut Plan, function: &Function, random: &mut Random) {
                 keep_last_normal: false,
             };
         }
+        ("illustrate", _) => {
+            let (near, far) = (15.0, 35.0);
+            let style = Illustrate::of(name, |parameter| match parameter {
+                "nearest_mm" => near,
+                "farthest_mm" => far,
+                "width_mm" | "reach_mm" => 1.0 + 0.5 * value("strength").min(1.0),
+                other => value(other),
+            });
+            plan.technique_mut().illustrate = style.unwrap();
+        }
         ("composite", _) => {
             some_samples(plan);
             plan.technique_mut().table = soft(random, false);

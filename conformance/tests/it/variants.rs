@@ -7,6 +7,7 @@ use crate::simple::{
     blinn_phong, centered, cut_box, grey, grids, of_samples, one_sample_at, parallel, plan, plane,
     value_shown, volume, white,
 };
+use crate::techniques::any_illustration;
 use crate::value_gradient::table_over;
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use std::collections::{BTreeMap, HashMap};
@@ -581,9 +582,13 @@ pub fn any_variant(random: &mut Random, volume: &Volume) -> Plan {
         },
         Shade::of(shade, |p| of_shade[p]).unwrap_or(Shade::GradientOpacity { full_per_mm: steep }),
     ]);
+    if random.once_in(2) {
+        plan.technique_mut().illustrate = any_illustration(random, steep);
+    }
     // What belongs to no place of the ray has no surface: `resolve` refuses to light it.
     if !plan.technique().composite.function().has_place {
         plan.technique_mut().shade = Shade::Unlit;
+        plan.technique_mut().illustrate = Illustrate::Plain;
     }
     if random.once_in(4) {
         let (lo, hi) = volume.grid().bounds_mm();

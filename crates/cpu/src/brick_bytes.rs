@@ -6,7 +6,7 @@ use crate::lanes::{I32s, words_inside};
 use crate::levels::Level;
 use crate::making::Making;
 use std::sync::Arc;
-use strahl_scene::plan::{Plan, Sampling, Shade};
+use strahl_scene::plan::{Illustrate, Plan, Sampling, Shade};
 use strahl_scene::visibility::ContributionKey;
 use strahl_volume::bricks::Bricks;
 use strahl_volume::{Cancelled, Control, Key};
@@ -26,6 +26,7 @@ pub struct BrickBytesKey {
     sampling: Sampling,
     step_mm: f64,
     shade: Shade,
+    is_illustrated: bool,
     clipped: Option<ClippedBricksKey>,
 }
 
@@ -63,6 +64,7 @@ impl BrickBytes {
             sampling: plan.sampling,
             step_mm: plan.lattice.step_mm,
             shade: plan.technique_of(object).shade,
+            is_illustrated: plan.technique_of(object).illustrate != Illustrate::Plain,
             clipped: clipped.map(|clipped| clipped.of.clone()),
         };
         let bytes = making.find(&key, || {

@@ -1,7 +1,10 @@
 //! Instruction sets: which one a picture is drawn with, and what a vector library has no name for.
 
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-#[expect(clippy::disallowed_types, reason = "what a level is, not that it is there")]
+#[expect(
+    clippy::disallowed_types,
+    reason = "what a level is, not that it is there"
+)]
 mod x86;
 
 use crate::error::Error;

@@ -10,6 +10,7 @@ pub mod composite;
 pub mod fetch;
 pub mod gradient;
 pub mod illuminate;
+pub mod illustrate;
 pub mod jitter;
 pub mod light;
 pub mod reconstruct;

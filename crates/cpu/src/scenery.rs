@@ -3,12 +3,13 @@
 use crate::elementary::{opacity_of_half, opacity_of_length, opacity_of_lengths};
 use crate::even::EvenCubes;
 use crate::important_places::ImportantPlaces;
-use crate::lanes::{Affine, F32s, Mask, Vec3s};
+use crate::lanes::{Affine, F32s, Mask, Vec3s, dot, each, splat3};
 use crate::levels::{Level, inlined, vectorized};
 use crate::library::classify::{Integrals, IntervalVisibility, Sample, Surface, Table, classify};
 use crate::library::clip_sample::SampleClips;
 use crate::library::fetch::Linear;
 use crate::library::gradient::Gradients;
+use crate::library::illustrate::{IllustratedPlace, illustrate};
 use crate::library::jitter::Jitters;
 use crate::library::reconstruct::Values;
 use crate::library::shade::{Place, Shading};
@@ -73,6 +74,11 @@ pub struct Object<'p, S: Level> {
     /// (Part of a) step/reference, the exponent of the opacity correction.
     steps_per_reference: f32,
     world_from_voxel: Affine,
+    voxel_from_world: Affine,
+    /// Voxels along each axis.
+    dims: [f32; 3],
+    /// The place of the eye and the direction of view, in the world.
+    view: [[f32; 3]; 2],
 }
 
 /// What is known of an object, as [`Object`] has it.
@@ -111,6 +117,79 @@ impl<'v> Stored<'v> {
             Samples::F32(samples) => Stored::F32(Linear::new(grid, samples)),
             _ => return None,
         })
+    }
+}
+
+/// Where a sample of an object is illustrated.
+struct PlaceOfObject<'o, 'p, S: Level> {
+    object: &'o Object<'p, S>,
+    gradient: Vec3s<S>,
+    position: Vec3s<S>,
+    /// A position in the segment that the sample belongs to.
+    anchor: Vec3s<S>,
+    to_eye: Vec3s<S>,
+    shaded: Mask<S>,
+    /// The segment that it is in, once somebody has asked.
+    segment: Cell<Option<F32s<S>>>,
+}
+
+impl<S: Level> PlaceOfObject<'_, '_, S> {
+    /// The position in voxel space that is `offset_mm` away.
+    #[inline(always)]
+    fn beside(&self, offset_mm: Vec3s<S>) -> Vec3s<S> {
+        let place = self.object.place_mm(self.position);
+        let beside = each!([0, 1, 2], |c| place[c] + offset_mm[c]);
+        self.object.voxel_from_world.point(beside)
+    }
+}
+
+impl<S: Level> IllustratedPlace<S> for PlaceOfObject<'_, '_, S> {
+    #[inline(always)]
+    fn to_eye(&self) -> Vec3s<S> {
+        self.to_eye
+    }
+
+    #[inline(always)]
+    fn gradient(&self) -> Vec3s<S> {
+        self.gradient
+    }
+
+    #[inline(always)]
+    fn gradient_beside(&self, offset_mm: Vec3s<S>) -> Vec3s<S> {
+        let position = self.beside(offset_mm);
+        self.object
+            .gradient_within(position, self.anchor, self.shaded)
+    }
+
+    #[inline(always)]
+    fn opacity_beside(&self, offset_mm: Vec3s<S>) -> F32s<S> {
+        let position = self.beside(offset_mm);
+        let mut inside = self.shaded;
+        for (at, voxels) in position.into_iter().zip(self.object.dims) {
+            let [first, last] = [-0.5, voxels - 0.5].map(F32s::splat);
+            inside = inside & first.le(at) & at.le(last);
+        }
+        if !inside.any() {
+            return F32s::zero();
+        }
+        let mut opacity = self.object.opacity_at(position, inside);
+        if let Some(segments) = &self.object.segments {
+            let here = self.segment.get();
+            let here = here.unwrap_or_else(|| segments.at(self.anchor, self.shaded));
+            self.segment.set(Some(here));
+            opacity = opacity * segments.membership(position, here);
+        }
+        inside.select(opacity, F32s::zero())
+    }
+
+    #[inline(always)]
+    fn depth_mm(&self) -> F32s<S> {
+        let place = self.object.place_mm(self.position);
+        let [eye, forward] = self.object.view;
+        dot(
+            each!([0, 1, 2], |c| place[c] - F32s::splat(eye[c])),
+            splat3(forward),
+        )
     }
 }
 
@@ -177,9 +256,12 @@ impl<'p, S: Level> Object<'p, S> {
             integrals,
             classify: technique.classify,
             composite: technique.composite,
-            shading: Shading::new(technique.shade, plan),
+            shading: Shading::new(technique, plan),
             steps_per_reference: steps_per_reference(part_mm, table.reference_mm()),
             world_from_voxel: Affine::new(field.grid.world_from_voxel()),
+            voxel_from_world: Affine::new(field.grid.voxel_from_world()),
+            dims: field.grid.dims().map(|n| n as f32),
+            view: [plan.camera.eye_mm, plan.camera.forward].map(|v| v.as_vec3().to_array()),
         }
     }
 
@@ -298,28 +380,47 @@ impl<'p, S: Level> Object<'p, S> {
                     let opacity = |at| self.opacity_at(at, asked);
                     self.gradients.of(&opacity, position)
                 }
-                GradientInput::Segment => match &self.segments {
-                    Some(segments) => {
-                        let here = segments.at(position, asked);
-                        let membership = |at| segments.membership(at, here);
-                        let gradients = &self.gradients;
-                        let by_voxels = segments.gradient(gradients.method, position, here, asked);
-                        match by_voxels {
-                            Some((in_voxel, within)) if !(asked & !within).any() => {
-                                gradients.in_world(in_voxel)
-                            }
-                            Some((in_voxel, within)) => {
-                                let by_taps = gradients.of(&membership, position);
-                                within.select3(gradients.in_world(in_voxel), by_taps)
-                            }
-                            None => gradients.of(&membership, position),
-                        }
-                    }
-                    // Everything is one.
-                    None => [F32s::zero(); 3],
-                },
+                GradientInput::Segment => self.gradient_of_segment(position, position, asked),
             },
         )
+    }
+
+    /// The same for a sample that belongs to the segment at `anchor`.
+    #[inline(never)]
+    fn gradient_within(&self, position: Vec3s<S>, anchor: Vec3s<S>, asked: Mask<S>) -> Vec3s<S> {
+        vectorized::<S, _>(
+            #[inline(always)]
+            || match self.gradient_input {
+                GradientInput::Segment => self.gradient_of_segment(position, anchor, asked),
+                _ => self.gradient(position, asked),
+            },
+        )
+    }
+
+    /// The gradient of the membership of the segment at `anchor`.
+    #[inline(always)]
+    fn gradient_of_segment(
+        &self,
+        position: Vec3s<S>,
+        anchor: Vec3s<S>,
+        asked: Mask<S>,
+    ) -> Vec3s<S> {
+        let Some(segments) = &self.segments else {
+            // Everything is one.
+            return [F32s::zero(); 3];
+        };
+        let here = segments.at(anchor, asked);
+        let membership = |at| segments.membership(at, here);
+        let gradients = &self.gradients;
+        let by_voxels = segments.gradient(gradients.method, position, here, asked);
+        match by_voxels {
+            Some((in_voxel, within)) if !(asked & !within).any() => gradients.in_world(in_voxel),
+            Some((in_voxel, within)) => {
+                let by_taps = gradients.of(&membership, position);
+                within.select3(gradients.in_world(in_voxel), by_taps)
+            }
+            None => gradients.of(&membership, position),
+        }
     }
 
     #[inline(never)]
@@ -346,6 +447,12 @@ impl<'p, S: Level> Object<'p, S> {
         vectorized::<S, _>(
             #[inline(always)]
             || {
+                if self.shading.is_illustrated_by_gradient() {
+                    // Asked for once, for both.
+                    let gradient = self.gradient(position, shaded);
+                    let known = || gradient;
+                    return self.shade_here(surface, known, position, to_eye, shaded, last_normal);
+                }
                 let gradient = || self.gradient(position, shaded);
                 self.shade_here(surface, gradient, position, to_eye, shaded, last_normal)
             },
@@ -384,7 +491,90 @@ impl<'p, S: Level> Object<'p, S> {
             place_mm: || self.place_mm(position),
             to_eye,
         };
-        self.shading.look(surface, &place, shaded, last_normal)
+        let mut seen = self.shading.look(surface, &place, shaded, last_normal);
+        if self.shading.is_illustrated() {
+            let gradient = match self.shading.is_illustrated_by_gradient() {
+                true => (place.gradient)(),
+                false => [F32s::zero(); 3],
+            };
+            let places = [position; 2];
+            seen.color = self.illustrate(seen.color, gradient, places, to_eye, shaded);
+        }
+        seen
+    }
+
+    /// Slot shade, for a sample that belongs to the segment at `anchor`.
+    #[inline(always)]
+    pub fn shade_within(
+        &self,
+        surface: Surface<S>,
+        [position, anchor]: [Vec3s<S>; 2],
+        to_eye: Vec3s<S>,
+        shaded: Mask<S>,
+        last_normal: &mut Vec3s<S>,
+    ) -> Surface<S> {
+        if self.segments.is_none() || self.shading.is_unlit() {
+            return self.shade(surface, position, to_eye, shaded, last_normal);
+        }
+        let gradient = self.gradient_within(position, anchor, shaded);
+        let mut seen = self.light_by(surface, gradient, position, to_eye, shaded, last_normal);
+        if self.shading.is_illustrated() {
+            let places = [position, anchor];
+            seen.color = self.illustrate(seen.color, gradient, places, to_eye, shaded);
+        }
+        seen
+    }
+
+    /// Slot shade without illustration, for a gradient that is known.
+    #[inline(never)]
+    pub fn light_by(
+        &self,
+        surface: Surface<S>,
+        gradient: Vec3s<S>,
+        position: Vec3s<S>,
+        to_eye: Vec3s<S>,
+        shaded: Mask<S>,
+        last_normal: &mut Vec3s<S>,
+    ) -> Surface<S> {
+        vectorized::<S, _>(
+            #[inline(always)]
+            || {
+                let place = Place {
+                    gradient: || gradient,
+                    place_mm: || self.place_mm(position),
+                    to_eye,
+                };
+                self.shading.look(surface, &place, shaded, last_normal)
+            },
+        )
+    }
+
+    /// Slot illustrate, where `shaded`: the color of a sample with this gradient, at a position, and a position in the
+    /// segment that it belongs to.
+    #[inline(never)]
+    pub fn illustrate(
+        &self,
+        color: Vec3s<S>,
+        gradient: Vec3s<S>,
+        [position, anchor]: [Vec3s<S>; 2],
+        to_eye: Vec3s<S>,
+        shaded: Mask<S>,
+    ) -> Vec3s<S> {
+        vectorized::<S, _>(
+            #[inline(always)]
+            || {
+                let place = PlaceOfObject {
+                    object: self,
+                    gradient,
+                    position,
+                    anchor,
+                    to_eye,
+                    shaded,
+                    segment: Cell::new(None),
+                };
+                illustrate(self.shading.illustration, color, &place)
+            },
+        )
     }
 
     /// The look of a sample where it was `sampled`: classified, shaded, its opacity that of one step.

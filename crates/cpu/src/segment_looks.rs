@@ -4,7 +4,9 @@ use crate::lanes::{F32s, I32s, LANES, Mask, Vec3s, each, lanes, words_inside};
 use crate::levels::Level;
 use crate::library::classify::Tables;
 use crate::segment_numbers::SegmentNumbers;
-use strahl_scene::plan::{Classify, Composite, GlobalRule, GradientInput, Plan, Shade, Technique};
+use strahl_scene::plan::{
+    Classify, Composite, GlobalRule, GradientInput, Illustrate, Plan, Shade, Technique,
+};
 
 /// A technique that has no more to add to the run of a segment.
 pub const FINISHED: f32 = 65535.0;
@@ -144,5 +146,6 @@ fn is_of_single_samples(model: Shade) -> bool {
 fn are_lit_alike(a: &Technique, b: &Technique) -> bool {
     let have_one_normal =
         a.gradient_input != GradientInput::Opacity && a.gradient_input == b.gradient_input;
-    a.shade == b.shade && (a.shade == Shade::Unlit || have_one_normal)
+    let is_flat = a.shade == Shade::Unlit && a.illustrate == Illustrate::Plain;
+    a.shade == b.shade && a.illustrate == b.illustrate && (is_flat || have_one_normal)
 }

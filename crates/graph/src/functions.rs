@@ -471,7 +471,7 @@ type SlotRow = (
     &'static str,
 );
 
-const OF_SLOTS: [SlotRow; 8] = [
+const OF_SLOTS: [SlotRow; 9] = [
     ("jitter", &[], ""),
     ("clip_sample", &[("place_mm", "position.world")], ""),
     ("reconstruct", &[("position", "position.voxel")], "value"),
@@ -502,6 +502,15 @@ const OF_SLOTS: [SlotRow; 8] = [
             ("to_eye", "direction.world"),
         ],
         "",
+    ),
+    (
+        "illustrate",
+        &[
+            ("color", "color.linear"),
+            ("position", "position.voxel"),
+            ("to_eye", "direction.world"),
+        ],
+        "color.linear",
     ),
 ];
 

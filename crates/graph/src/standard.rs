@@ -9,7 +9,7 @@ mod segments;
 
 use crate::error::{Error, Problem};
 use crate::model::{CarriedVariable, Constant, Graph, Input, Kind, Loop, Node, Reference};
-use strahl_scene::plan::{Composite, Plan, Sampling, Shade, Technique};
+use strahl_scene::plan::{Composite, Illustrate, Plan, Sampling, Shade, Technique};
 use strahl_shader::registry::mixing_rules;
 
 /// The graph that draws `plan`, with its slots as the settings fill them.
@@ -230,11 +230,11 @@ impl Builder<'_> {
         self.put(pattern("is_value", "is_value").input("value", "after_sample"));
     }
 
-    /// How `object` is shaded, or what the group draws.
-    fn shade(&self, object: usize) -> Shade {
+    /// How `object` is drawn, or what the group draws.
+    fn drawing(&self, object: usize) -> &Technique {
         match self.within {
-            Some(technique) => self.plan.techniques[technique].shade,
-            None => self.plan.technique_of(object).shade,
+            Some(technique) => &self.plan.techniques[technique],
+            None => self.plan.technique_of(object),
         }
     }
 
@@ -265,7 +265,7 @@ impl Builder<'_> {
             own("before_shade") + ".opacity",
         );
         let gradient = slot(&own("gradient"), "gradient").input("position", position);
-        match self.shade(object) {
+        match self.drawing(object).shade {
             Shade::Unlit => {}
             // The memory of the last normal is one for all techniques that ask for it.
             Shade::Lit {
@@ -320,6 +320,14 @@ impl Builder<'_> {
                 self.put_of(object, steep);
                 opacity = own("steep_opacity");
             }
+        }
+        if self.drawing(object).illustrate != Illustrate::Plain {
+            let illustrated = slot(&own("illustrated"), "illustrate")
+                .input("color", color.as_str())
+                .input("position", position)
+                .input("to_eye", self.to_eye());
+            self.put_of(object, illustrated);
+            color = own("illustrated");
         }
         self.anchor(&own("after_shade_color"), &color);
         self.anchor(&own("after_shade_opacity"), &opacity);

@@ -281,6 +281,9 @@ impl Functions {
         } = technique;
         self.choose(classify.function(), classify.values())?;
         self.choose(gradient_input.function(), gradient_input.values())?;
+        if let Some(function) = technique.illustrate.function() {
+            self.choose(function, technique.illustrate.values())?;
+        }
         let (ambient, illuminate, keep_last_normal) = match technique.shade {
             Shade::Lit {
                 ambient,

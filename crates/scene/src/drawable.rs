@@ -1,8 +1,8 @@
 //! What every renderer may rely on in a Plan, also in one that was changed by hand.
 
 use crate::plan::{
-    Classify, Composite, Field, Labeled, MOST_EDGE_PIXELS, MOST_FRAMES, MOST_GROUPS, MOST_LAYERS,
-    Plan, PlanImportance, Sampling, Segments,
+    Classify, Composite, Field, GradientInput, Illustrate, Labeled, MOST_EDGE_PIXELS, MOST_FRAMES,
+    MOST_GROUPS, MOST_LAYERS, Plan, PlanImportance, Sampling, Segments,
 };
 
 /// That groups of segments are there, and have numbers.
@@ -59,6 +59,23 @@ impl Plan {
         }
         self.check_layers()?;
         for technique in &self.techniques {
+            let composite = technique.composite.function();
+            if technique.illustrate != Illustrate::Plain && !composite.has_place {
+                return Err(format!(
+                    "a technique has the composite {} and is illustrated; its numbers belong to no place, so `illustrate` has to be Plain",
+                    composite.word
+                ));
+            }
+            let reads_gradient = matches!(
+                technique.classify,
+                Classify::GradientTable { .. } | Classify::ValueGradient { .. }
+            );
+            if reads_gradient && technique.gradient_input == GradientInput::Segment {
+                return Err(
+                    "a technique classifies by the gradient of the value and has the gradient input Segment; it has to be Value"
+                        .to_owned(),
+                );
+            }
             if let Classify::ValueGradient { columns, rows, .. } = technique.classify {
                 let (of_table, entries) = (
                     technique.table.rows().len(),

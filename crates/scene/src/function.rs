@@ -3,8 +3,8 @@
 use crate::ShadingModel;
 use crate::nearest::nearest;
 use crate::plan::{
-    Classify, Composite, Fetch, GradientInput, GradientMethod, Illuminate, Jitter, Plan,
-    PlanModule, Reconstruct, Shade,
+    Classify, Composite, Fetch, GradientInput, GradientMethod, Illuminate, Illustrate, Jitter,
+    Plan, PlanModule, Reconstruct, Shade,
 };
 use crate::problem::{Checker, Number};
 use crate::transfer::TransferTable;
@@ -257,6 +257,7 @@ fn settle(
             lights.clear();
             Shade::of(name, value).map(|shade| technique.shade = shade)
         }
+        "illustrate" => Illustrate::of(name, value).map(|style| technique.illustrate = style),
         "jitter" => {
             lattice.jitter = match name {
                 "sine_hash" => Jitter::SineHash,

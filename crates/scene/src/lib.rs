@@ -35,6 +35,7 @@ mod frame;
 mod function;
 mod graph_text;
 mod headers;
+mod illustration;
 mod image;
 mod importance;
 mod label_source;

@@ -11,8 +11,8 @@ use std::sync::Arc;
 use strahl_shader::Module;
 pub use strahl_shader::for_each_function;
 pub use strahl_shader::registry::{
-    Classify, Composite, DebugView, Fetch, GradientInput, GradientMethod, Illuminate, Reconstruct,
-    Shade,
+    Classify, Composite, DebugView, Fetch, GradientInput, GradientMethod, Illuminate, Illustrate,
+    Reconstruct, Shade,
 };
 use strahl_volume::{Grid, Rescale};
 
@@ -114,6 +114,8 @@ pub struct Technique {
     pub gradient_input: GradientInput,
     /// How a sample's color follows from its surface color, gradient and the lights.
     pub shade: Shade,
+    /// What illustration makes of that color.
+    pub illustrate: Illustrate,
     /// How samples in a row become one.
     pub composite: Composite,
 }
@@ -433,6 +435,7 @@ impl Plan {
                 technique.classify == first.classify
                     && technique.gradient_input == first.gradient_input
                     && technique.shade == first.shade
+                    && technique.illustrate == first.illustrate
                     && technique.composite == first.composite
             })
     }

@@ -1,10 +1,12 @@
 //! A scene of whole volumes, without what it says of segments → Plan.
 
 use crate::clip::{ClipPlaces, PlanClips};
+use crate::illustration;
 use crate::plan::{
     Classify, Composite, Compositing as PlanCompositing, Fetch, Field, GlobalRule,
-    GradientInput as PlanGradientInput, Jitter as PlanJitter, Lattice, MOST_EDGE_PIXELS,
-    MOST_FRAMES, MOST_LAYERS, Plan, PlanCamera, PlanLight, PlanMesh, Shade, Technique,
+    GradientInput as PlanGradientInput, Illustrate, Jitter as PlanJitter, Lattice,
+    MOST_EDGE_PIXELS, MOST_FRAMES, MOST_LAYERS, Plan, PlanCamera, PlanLight, PlanMesh, Shade,
+    Technique,
 };
 use crate::problem::Checker;
 use crate::settled::{FORMAT, SettledScene, SettledVolume};
@@ -106,6 +108,7 @@ fn plan(settled: &SettledScene, headers: &Headers, checker: &mut Checker) -> Opt
             table,
             gradient_input,
             shade,
+            illustrate: Illustrate::Plain,
             composite,
         };
         plan.add_layer(plan_field(settled, volume, headers), technique);
@@ -124,6 +127,18 @@ fn plan(settled: &SettledScene, headers: &Headers, checker: &mut Checker) -> Opt
     }
     if let Some(importance) = &settled.importance {
         plan.importance = importance.plan(clips.masks, &plan, headers, checker);
+    }
+    let depths = illustration::depths_mm(&plan);
+    let spacings = plan.drawn_fields().map(|field| field.grid.min_spacing_mm());
+    let voxel_mm = spacings.fold(f64::INFINITY, f64::min);
+    for technique in &mut plan.techniques {
+        let (functions, steep) = (&settled.functions, settled.shading.full_per_mm);
+        illustration::fit_to_data(technique, functions, voxel_mm, steep);
+        illustration::fit_to_depths(technique, functions, depths);
+        // The function has no effect then, which is noted.
+        if !technique.composite.function().has_place {
+            technique.illustrate = Illustrate::Plain;
+        }
     }
     place_depths(&mut plan);
     check_together(&plan, checker);
@@ -177,6 +192,17 @@ fn check_together(plan: &Plan, checker: &mut Checker) {
         checker.add(
             "gradient.of",
             "\"opacity\" with a transfer function that needs the gradient itself",
+            "\"value\"",
+        );
+    }
+    let of_segment = |t: &Technique| t.gradient_input == PlanGradientInput::Segment;
+    if plan
+        .drawn_techniques()
+        .any(|t| of_segment(t) && needs_gradient(t))
+    {
+        checker.add(
+            "gradient.of",
+            "\"segment\" with a transfer function that needs the gradient of the value",
             "\"value\"",
         );
     }

@@ -206,7 +206,7 @@ impl SettledSampling {
 
 /// What a rule cannot be combined with.
 pub(crate) fn check_together(plan: &plan::Plan, checker: &mut Checker) {
-    use plan::{Classify, Composite, Sampling, Shade};
+    use plan::{Classify, Composite, Illustrate, Sampling, Shade};
     if plan.sampling == Sampling::Regular {
         return;
     }
@@ -277,6 +277,12 @@ pub(crate) fn check_together(plan: &plan::Plan, checker: &mut Checker) {
                 refuse(
                     "with shading: its light changes with the gradient, which nothing bounds",
                     "shading \"unlit\"",
+                );
+            }
+            if plan.technique().illustrate != Illustrate::Plain {
+                refuse(
+                    "with a function for the slot illustrate: its color changes with the place, which nothing bounds",
+                    "no such function, or rule \"regular\"",
                 );
             }
         }

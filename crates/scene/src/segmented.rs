@@ -1,9 +1,10 @@
 //! Scenes with labels: the Plan of a volume → that of its segments.
 
+use crate::illustration;
 use crate::places::check_labels;
 use crate::plan::{
-    Composite, GlobalRule, GradientInput, MOST_GROUPS, Plan, PlanLight, Sampling, Segments, Shade,
-    Technique,
+    Composite, GlobalRule, GradientInput, Illustrate, MOST_GROUPS, Plan, PlanLight, Sampling,
+    Segments, Shade, Technique,
 };
 use crate::planning::{place_depths, plan_lights, plan_of};
 use crate::problem::Checker;
@@ -90,6 +91,18 @@ pub(crate) fn with_segments(
     plan.layers[0].segments = Segments::Labeled(Box::new(labeled));
     // Techniques do not know the camera.
     place_depths(&mut plan);
+    let depths = illustration::depths_mm(&plan);
+    for (name, (number, _)) in &numbers {
+        let functions = match name.as_str() {
+            technique::SCENE => scene.functions.as_ref(),
+            name => techniques
+                .get(name)
+                .and_then(|said| said.functions.as_ref()),
+        };
+        let none = BTreeMap::new();
+        let technique = &mut plan.techniques[*number];
+        illustration::fit_to_depths(technique, functions.unwrap_or(&none), depths);
+    }
     Some(plan)
 }
 
@@ -214,7 +227,7 @@ fn check_beside_segments(plan: &Plan, scene: &Scene, checker: &mut Checker) {
         );
     }
     for (slot, function) in scene.functions.iter().flatten() {
-        if function.is_file() && ["classify", "shade", "composite"].contains(&slot.as_str()) {
+        if function.is_file() && OF_SAMPLES.contains(&slot.as_str()) {
             checker.add(
                 format!("functions.{slot}.module"),
                 format!("{:?} with segments of labels", function.module),
@@ -223,6 +236,9 @@ fn check_beside_segments(plan: &Plan, scene: &Scene, checker: &mut Checker) {
         }
     }
 }
+
+/// Slots whose functions a technique chooses; that of a file would take the place of all.
+const OF_SAMPLES: [&str; 4] = ["classify", "shade", "illustrate", "composite"];
 
 /// Tells a technique whose gradient is that of membership how steep that is at a flat border, where it would else be told
 /// how steep values are; unless `said` says so.
@@ -239,6 +255,16 @@ fn measure_by_membership(technique: &mut Technique, said: &SegmentTechnique, ste
         }
         _ => {}
     }
+    let of_illustration = said
+        .functions
+        .as_ref()
+        .and_then(|all| all.get("illustrate"));
+    let is_said = of_illustration.is_some_and(|used| used.params.contains_key("full_per_mm"));
+    if let (Illustrate::Silhouette { full_per_mm, .. }, false) =
+        (&mut technique.illustrate, is_said)
+    {
+        *full_per_mm = steep_per_mm;
+    }
     let is_said = said
         .shading
         .is_some_and(|shading| shading.full_per_mm.is_some());
@@ -248,11 +274,12 @@ fn measure_by_membership(technique: &mut Technique, said: &SegmentTechnique, ste
 }
 
 /// The slots whose functions belong to a technique.
-const SLOTS_OF_TECHNIQUES: [&str; 5] = [
+const SLOTS_OF_TECHNIQUES: [&str; 6] = [
     "classify",
     "gradient_input",
     "illuminate",
     "shade",
+    "illustrate",
     "composite",
 ];
 

@@ -48,7 +48,8 @@ pub struct SegmentTechnique {
     /// What the gradient is taken of; default `segment` where there is no transfer function, `value` elsewhere.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gradient_of: Option<GradientInput>,
-    /// Functions of the library for the slots `classify`, `gradient_input`, `illuminate`, `shade` and `composite`.
+    /// Functions of the library for the slots `classify`, `gradient_input`, `illuminate`, `shade`,
+    /// `illustrate` and `composite`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub functions: Option<BTreeMap<String, FunctionUse>>,
 }

@@ -381,6 +381,7 @@ fn of_functions_of_segments(
         "gradient_input",
         "illuminate",
         "shade",
+        "illustrate",
         "composite",
     ];
     for (slot, function) in scene.functions.iter().flatten() {

@@ -24,7 +24,7 @@ fn look(sample: Sample) -> Surface {
         let seen = shade(surface, position, sample.to_eye);
         let opacity = opacity_of_step(seen.opacity);
         passing *= 1.0 - opacity;
-        color += opacity * seen.color;
+        color += opacity * illustrate(seen.color, position, sample.to_eye);
         sum += opacity;
     }
     current = 0u;

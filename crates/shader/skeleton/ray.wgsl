@@ -103,6 +103,11 @@ fn place_mm(position: vec3f) -> vec3f {
     return rows_times(frame.objects[object()].world_from_voxel, vec4f(position, 1.0));
 }
 
+// How far in front of the eye, along the direction of view.
+fn depth_mm(position: vec3f) -> f32 {
+    return dot(place_mm(position) - frame.eye_mm, frame.forward);
+}
+
 fn voxel_of(place_mm: vec3f) -> vec3f {
     return rows_times(frame.objects[object()].voxel_from_world, vec4f(place_mm, 1.0));
 }

@@ -55,7 +55,7 @@ const fn function(
 }
 
 /// Every slot, in the order in which a ray meets them.
-pub static SLOTS: [Slot; 12] = [
+pub static SLOTS: [Slot; 13] = [
     Slot {
         name: "clip_ray",
         meaning: "shortens the interval of the ray (mm from its start) that is sampled at all; an end before the beginning leaves nothing",
@@ -167,6 +167,21 @@ pub static SLOTS: [Slot; 12] = [
         null: Some("return surface;"),
     },
     Slot {
+        name: "illustrate",
+        meaning: "what illustration makes of the color of a shaded sample",
+        functions: &[function(
+            "illustrate",
+            &[
+                ("color", "vec3f"),
+                ("position", "vec3f"),
+                ("to_eye", "vec3f"),
+            ],
+            "vec3f",
+        )],
+        fold: Fold::One,
+        null: Some("return color;"),
+    },
+    Slot {
         name: "composite",
         meaning: "how the samples of a ray become a pixel: linear RGBA, premultiplied; `State` is the module's own struct",
         functions: &[
@@ -186,7 +201,7 @@ pub static SLOTS: [Slot; 12] = [
 
 /// Functions that every module may call and no module replaces: the renderer or the linker
 /// supplies them.
-pub static SUPPLIED: [Signature; 28] = [
+pub static SUPPLIED: [Signature; 29] = [
     function("object", &[], "u32"),
     function("dims", &[], "vec3i"),
     function("texel", &[("voxel", "vec3i")], "f32"),
@@ -202,6 +217,7 @@ pub static SUPPLIED: [Signature; 28] = [
     function("opaque_mm", &[], "f32"),
     function("place_mm", &[("position", "vec3f")], "vec3f"),
     function("voxel_of", &[("place_mm", "vec3f")], "vec3f"),
+    function("depth_mm", &[("position", "vec3f")], "f32"),
     function("step_mm", &[], "f32"),
     function("membership", &[("position", "vec3f")], "f32"),
     function("covered", &[], "f32"),

@@ -11,12 +11,13 @@ use crate::slot::{Signature, Slot};
 use std::fmt::Write;
 
 /// The slots of which a technique chooses the function.
-pub const TECHNIQUE_SLOTS: [&str; 5] = [
+pub const TECHNIQUE_SLOTS: [&str; 6] = [
     "classify",
     "gradient_input",
     "illuminate",
     "shade",
     "composite",
+    "illustrate",
 ];
 
 /// Texels of a technique in the texture of the transfer tables, which they begin at its start:

@@ -1,7 +1,7 @@
 //! How much memory and time a picture needs, about, told before it is drawn.
 
 use std::fmt;
-use strahl_scene::plan::{Classify, Field, Plan, Ray, Reconstruct, Sampling, Shade};
+use strahl_scene::plan::{Classify, Field, Illustrate, Plan, Ray, Reconstruct, Sampling, Shade};
 use strahl_volume::{Datasets, cores};
 
 /// What drawing needs, about.
@@ -111,6 +111,7 @@ fn cost(plan: &Plan, layer: usize, field: &Field) -> f64 {
         _ => 6.0,
     };
     let has_gradient = matches!(technique.shade, Shade::Lit { .. })
+        || technique.illustrate != Illustrate::Plain
         || matches!(
             technique.classify,
             Classify::GradientTable { .. } | Classify::ValueGradient { .. }

@@ -9,7 +9,7 @@ use crate::lanes::{F32s, Mask, Vec3s};
 use crate::levels::Level;
 use crate::library::classify::Surface;
 use crate::library::light::Light;
-use strahl_scene::plan::{Plan, Shade, for_each_function};
+use strahl_scene::plan::{Illustrate, Plan, Shade, Technique, for_each_function};
 
 /// A file per function of the registry that the Plan has a variant for, each with a function `look` of the surface, its place
 /// and the function's parameters.
@@ -34,25 +34,44 @@ macro_rules! functions {
 
 for_each_function! { Shade => functions! {} }
 
-/// How samples are shaded.
+/// How samples are shaded and illustrated.
 pub struct Shading {
     model: Shade,
     lights: Vec<Light>,
+    /// What follows the light.
+    pub illustration: Illustrate,
+    illustrates_by_gradient: bool,
 }
 
 impl Shading {
-    /// Shading by `model` under the lights of `plan`.
-    pub fn new(model: Shade, plan: &Plan) -> Shading {
+    /// That of `technique` under the lights of `plan`.
+    pub fn new(technique: &Technique, plan: &Plan) -> Shading {
+        let illustration = technique.illustrate;
+        let function = illustration.function();
         Shading {
-            model,
+            model: technique.shade,
             lights: Light::all(plan),
+            illustration,
+            illustrates_by_gradient: function.is_some_and(|f| f.text.contains("gradient(")),
         }
     }
 
     /// Whether surfaces look as they are classified.
     #[inline(always)]
     pub fn is_unlit(&self) -> bool {
-        matches!(self.model, Shade::Unlit)
+        matches!(self.model, Shade::Unlit) && !self.is_illustrated()
+    }
+
+    /// Whether illustration changes what shading has made.
+    #[inline(always)]
+    pub fn is_illustrated(&self) -> bool {
+        !matches!(self.illustration, Illustrate::Plain)
+    }
+
+    /// Whether it does so by the gradient.
+    #[inline(always)]
+    pub fn is_illustrated_by_gradient(&self) -> bool {
+        self.illustrates_by_gradient
     }
 
     /// Whether a sample's shading asks for nothing of earlier ones, and leaves its opacity as it is.

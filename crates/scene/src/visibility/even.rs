@@ -1,7 +1,7 @@
 //! Where the transfer function hardly changes: what leaving out lattice points within an error rests on.
 
 use super::{of_reached, rescale_of, values};
-use crate::plan::{Classify, Fetch, Plan, Sampling, Shade};
+use crate::plan::{Classify, Fetch, Illustrate, Plan, Sampling, Shade};
 use crate::transfer::TransferTable;
 use std::collections::VecDeque;
 use strahl_volume::bricks::Bricks;
@@ -35,6 +35,7 @@ pub fn even_cubes(
     let known = field.fetch == Fetch::Stored
         && technique.classify == Classify::Table
         && technique.shade == Shade::Unlit
+        && technique.illustrate == Illustrate::Plain
         && plan.modules.is_empty();
     if !known {
         return Ok(None);

@@ -37,7 +37,7 @@ impl<'p> Reads<'p> {
         let field = plan.field();
         Some(match name {
             // What the surroundings of functions call.
-            "look" => "shade( classify( opacity_of_step(",
+            "look" => "shade( illustrate( classify( opacity_of_step(",
             "lighting" => "illuminate( light(",
             "classify" => technique.classify.function().text,
             "gradient" => field.gradient.function().text,
@@ -49,6 +49,7 @@ impl<'p> Reads<'p> {
                 Shade::Lit { .. } => Function::find("shade", "lit")?.text,
                 Shade::GradientOpacity { .. } => Function::find("shade", "gradient_opacity")?.text,
             },
+            "illustrate" => technique.illustrate.function()?.text,
             "illuminate" => match technique.shade {
                 Shade::Lit { illuminate, .. } => illuminate.function().text,
                 _ => return None,

@@ -56,7 +56,8 @@ fn composite_add(state: State, sample: Sample) -> State {
     let cut = params.cut_depth * light * (1.0 - far) * (1.0 - state.alpha) * (1.0 - before);
     let kept = power(steepness, power(cut, params.cut_sharpness));
     let share = (1.0 - state.alpha) * opacity_of_step(lit.opacity * kept);
-    return State(state.color + share * surface.color * lit.color, state.alpha + share);
+    let color = illustrate(surface.color * lit.color, sample.position, sample.to_eye);
+    return State(state.color + share * color, state.alpha + share);
 }
 
 fn composite_done(state: State) -> bool {

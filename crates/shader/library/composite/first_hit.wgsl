@@ -46,7 +46,8 @@ fn composite_add(state: State, sample: Sample) -> State {
     report_hit(inside);
     let position = ray_position(inside);
     let surface = classify(reconstruct(position), position);
-    return State(shade(surface, position, sample.to_eye).color, true);
+    let lit = shade(surface, position, sample.to_eye);
+    return State(illustrate(lit.color, position, sample.to_eye), true);
 }
 
 fn composite_done(state: State) -> bool {

@@ -47,7 +47,7 @@ fn composite_add(state: State, sample: Sample) -> State {
     if surface.opacity > 0.0 {
         let seen = shade(surface, sample.position, sample.to_eye);
         let weight = (1.0 - next.alpha) * opacity_of_step(seen.opacity);
-        next.color += weight * seen.color;
+        next.color += weight * illustrate(seen.color, sample.position, sample.to_eye);
         next.alpha += weight;
     }
     return next;
@@ -65,7 +65,8 @@ fn composite_finish(state: State) -> vec4f {
     var maximum = vec4f(0.0);
     if state.largest > 0.0 {
         let seen = shade(classify(state.value, state.position), state.position, state.to_eye);
-        maximum = vec4f(seen.color * seen.opacity, seen.opacity);
+        let color = illustrate(seen.color, state.position, state.to_eye);
+        maximum = vec4f(color * seen.opacity, seen.opacity);
     }
     return (1.0 - params.blend) * summed + params.blend * maximum;
 }

@@ -26,5 +26,6 @@ fn composite_finish(state: State) -> vec4f {
         return vec4f(0.0);
     }
     let seen = shade(classify(state.value, state.position), state.position, state.to_eye);
-    return vec4f(seen.color * seen.opacity, seen.opacity);
+    let color = illustrate(seen.color, state.position, state.to_eye);
+    return vec4f(color * seen.opacity, seen.opacity);
 }

@@ -59,7 +59,7 @@ impl ContextPreserving {
                 };
                 let gradient = sample.gradient(visible);
                 if !crossing.object.shading.is_unlit() {
-                    lit = sample.shade_by(lit, gradient, visible, last_normal);
+                    lit = sample.light_by(lit, gradient, visible, last_normal);
                 }
                 let [r, g, b] = each!([0, 1, 2], |c| lit.color[c] * F32s::splat(LUMINANCE[c]));
                 let light = (r + g + b).max(zero);
@@ -72,8 +72,9 @@ impl ContextPreserving {
                     far.max(zero).min(one),
                     passing,
                 );
+                let color = each!([0, 1, 2], |c| surface.color[c] * lit.color[c]);
                 Surface {
-                    color: each!([0, 1, 2], |c| surface.color[c] * lit.color[c]),
+                    color: sample.illustrate(color, gradient, visible),
                     opacity: crossing.object.of_step(lit.opacity * kept),
                 }
             },

@@ -67,8 +67,10 @@ impl FirstHit {
         let place = at_entry.select(F32s::zero(), refined);
         let position = line.position(place);
         let surface = object.classify(object.values.at(position), position, hit);
-        let color = rays
-            .shade(surface, position, hit, &mut state.last_normal)
+        // Refined, it may lie before the border of its segment.
+        let places = [position, line.position(k + jitter)];
+        let color = object
+            .shade_within(surface, places, *rays.to_eye, hit, &mut state.last_normal)
             .color;
         state.paint(hit, color);
         state.place = hit.select(place, state.place);
