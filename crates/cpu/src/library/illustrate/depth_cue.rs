@@ -4,6 +4,7 @@ use crate::levels::Level;
 
 /// Mixed with another color, up to `strength` from the depth `nearest_mm` to `farthest_mm`.
 #[inline(always)]
+#[expect(clippy::too_many_arguments, reason = "the parameters of the function")]
 pub fn color<S: Level>(
     color: Vec3s<S>,
     place: &impl IllustratedPlace<S>,
