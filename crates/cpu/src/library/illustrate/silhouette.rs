@@ -20,9 +20,15 @@ pub fn color<S: Level>(
     let slant = one - dot(normal, place.to_eye()).abs();
     let rise = (slant - F32s::splat(from_slant)).over(F32s::splat(to_slant - from_slant));
     let rise = rise.max(zero).min(one);
-    let steep = length(gradient).over(F32s::splat(full_per_mm)).max(zero).min(one);
+    let steep = length(gradient)
+        .over(F32s::splat(full_per_mm))
+        .max(zero)
+        .min(one);
     let weight = powers_of_share(steep, F32s::splat(gradient_weight));
     let weight = zero.lt(steep).select(weight, zero);
     let silhouette = weight * rise * rise * (F32s::splat(3.0) - (rise + rise));
-    scale(color, exp_of_negative(-(silhouette * F32s::splat(strength))))
+    scale(
+        color,
+        exp_of_negative(-(silhouette * F32s::splat(strength))),
+    )
 }
