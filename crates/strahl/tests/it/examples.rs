@@ -50,3 +50,40 @@ fn examples_make_their_pictures() {
         assert_eq!(pictures.count(), expected, "{name}");
     }
 }
+
+/// The scan that a scene in `examples/scenes` names first.
+fn scan_of(text: &str) -> Option<&str> {
+    text.split_whitespace()
+        .find(|word| word.ends_with(".nii.gz"))
+}
+
+#[test]
+fn example_scenes_draw_their_scans_without_a_note() {
+    let project = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let folder = project.join("examples/scenes");
+    let scenes = names(&folder);
+    assert!(scenes.len() >= 6, "{scenes:?}");
+    for name in scenes {
+        let path = folder.join(&name);
+        let text = std::fs::read_to_string(&path).unwrap();
+        let scan = scan_of(&text).unwrap_or_else(|| panic!("{name} names no scan"));
+        let shared = std::env::var_os("STRAHL_SHARED");
+        let shared = shared.map_or_else(|| project.join("../shared"), PathBuf::from);
+        let scan = shared.join("data").join(scan);
+        if !scan.exists() {
+            println!("skipped: {} is not there", scan.display());
+            continue;
+        }
+        let file = strahl::SceneFile::open(&path).unwrap().unwrap();
+        let picture = strahl::Render::scene_file(file)
+            .with_files(vec![scan])
+            .size(64, 64)
+            .picture()
+            .unwrap();
+        assert!(picture.notes.is_empty(), "{name}: {:?}", picture.notes);
+        // The background is dark: what is drawn is lighter.
+        let is_light = |pixel: &&[f32; 4]| pixel[0] + pixel[1] + pixel[2] > 0.1;
+        let drawn = picture.image.pixels().iter().filter(is_light).count();
+        assert!(drawn > 400, "{name}: {drawn} pixels");
+    }
+}
