@@ -16,6 +16,7 @@ mod jpeg_ls;
 mod keys;
 mod mosaic;
 mod nuclear;
+mod palette_segments;
 mod pixels;
 mod ras;
 mod rle;

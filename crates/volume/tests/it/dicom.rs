@@ -360,6 +360,122 @@ fn colors_in_lossy_jpeg_are_what_the_stream_says() {
     }
 }
 
+/// 9×6 pixels of [`jpeg_ls_color`] with 8 bits, by CharLS: component by component, line by line, pixel by pixel.
+const COLORS_IN_JPEG_LS: [&str; 3] = [
+    "ffd8fff70011080006000903011100021100031100ffda0008010100000000f0000016602aeaa6b6536961ad2e33af2b\
+     de47f8ffda0008010200000000aa9457829ecb66664d9836630c43981806888e429c30c6630c414600c000d111c8539c\
+     ffda0008010300000000495f9ff8a0000023a000406021c6145430200c58a0010b001220a608183cb040ffd9",
+    "ffd8fff70011080006000903011100021100031100ffda000c03010002000300000100f0000016602aeaa742a515fdfa\
+     2821088888877326d2cd99993669f8d5a97036630c439847ab6af00d111c85384088e0502038302883dd26f18cc61882\
+     8c01a1862041c10f16c93f00068889510c6a204518302881c0ffd9",
+    "ffd8fff70011080006000903011100021100031100ffda000c030100020003000002004b8a6b6580000059458000008c\
+     3e038580e4c3cb8d34cd0c688d19a3244d168cd03068ad3348d20d2225d2c9088a01b683b20224075c19405541173d08\
+     7b8c498d186988861120e941549e8062d8000d244441285646683280ce885a38ffd9",
+];
+
+/// The same with 12 bits and errors of at most 3.
+const COLORS_IN_LOSSY_JPEG_LS: [&str; 3] = [
+    "ffd8fff700110c0006000903011100021100031100ffda0008010100030000f3b3bb8a611094211294911a24554954d5\
+     2564d878ffda0008010200030000d184df3ba612954843221a24b26a9a48ab0b528b630ad2a8ffda0008010300030000\
+     421125543ff1212224494254cc6b65a119111b90ffd9",
+    "ffd8fff700110c0006000903011100021100031100ffda000c03010002000300030100f3b3bb8e984df7a21125526684\
+     a10895612ad3443fd08c44a8c9089297a542154570a490a122244946293c14f524a062436ea4ca4f0b554394848489b8\
+     ffd9",
+    "ffd8fff700110c0006000903011100021100031100ffda000c03010002000300030200422c2213450802993b5fa6d3f6\
+     90d0a428550950aa253510a2a8434c6c5965acaca1883414c5b152d124a22890b2a2929074a50656b588a29606a542c1\
+     c15136e0ffd9",
+];
+
+/// The same with 5 bits and errors of at most 1, line by line: few levels have other thresholds.
+const COLORS_OF_5_BITS: &str = "ffd8fff70011050006000903011100021100031100ffda000c03010002000300010100f020c572eaef5195a4924a7b4a\
+    a5925dabf10be614888645bde549a006851c4738e0830628372953adba418bf708dcd7209b682c5fd232104b09153b22ffd9";
+
+/// Ramps, waves and flat parts, so that all ways of coding occur.
+fn jpeg_ls_color(x: i32, y: i32, largest: i32) -> [f64; 3] {
+    let red = if x < 4 { 7 * y } else { 13 * x + y };
+    let green = x * x + 3 * y * y;
+    let blue = if y < 3 { largest } else { 5 * x * y };
+    [red, green, blue].map(|number| f64::from(number & largest))
+}
+
+#[test]
+fn colors_in_jpeg_ls_are_those_that_charls_packed() {
+    let expected = |largest: i32| -> Vec<[f64; 3]> {
+        let pixels = (0..54).map(|i| jpeg_ls_color(i % 9, i / 9, largest));
+        pixels.collect()
+    };
+    let set = color_image(9, 6, "RGB", 0);
+    for hex in COLORS_IN_JPEG_LS {
+        let file = packed("1.2.840.10008.1.2.4.80", &set, &of_hex(hex));
+        assert_eq!(colors_of(&file), expected(255));
+    }
+    let lossy = COLORS_IN_LOSSY_JPEG_LS.map(|hex| (12, 3.0, hex));
+    for (bits, most, hex) in [&lossy[..], &[(5, 1.0, COLORS_OF_5_BITS)]].concat() {
+        let mut set = set.clone();
+        set.shorts((0x28, 0x100), b"US", &[if bits > 8 { 16 } else { 8 }])
+            .shorts((0x28, 0x101), b"US", &[bits])
+            .shorts((0x28, 0x102), b"US", &[bits - 1]);
+        let found = colors_of(&packed("1.2.840.10008.1.2.4.81", &set, &of_hex(hex)));
+        let expected = expected((1 << bits) - 1);
+        let pairs = found.as_flattened().iter().zip(expected.as_flattened());
+        let error = pairs.map(|(found, expected)| (found - expected).abs());
+        let error = error.fold(0.0, f64::max);
+        // Errors are there, or it would not be the near-lossless stream.
+        assert!(error > 0.0 && error <= most, "{bits} bits: {error}");
+    }
+    // Y, Cb and Cr become red, green and blue as in every other packing.
+    let ybr = color_image(9, 6, "YBR_FULL", 0);
+    let file = packed(
+        "1.2.840.10008.1.2.4.80",
+        &ybr,
+        &of_hex(COLORS_IN_JPEG_LS[1]),
+    );
+    // Of (0, 0, 255), by pydicom's weights: 1.402·127, −(0.299·1.402·127 − 0.114·1.772·128)/0.587, 1.772·(−128).
+    assert_eq!(colors_of(&file)[0], [178.0, 0.0, 0.0]);
+}
+
+#[test]
+fn jpeg_ls_says_what_is_wrong_with_its_colors() {
+    let set = color_image(9, 6, "RGB", 0);
+    let said = |frame: &[u8]| message(&[("a.dcm", &packed("1.2.840.10008.1.2.4.80", &set, frame))]);
+    let [planes, lines, _] = COLORS_IN_JPEG_LS.map(of_hex);
+    let with = |frame: &[u8], at: usize, byte: u8| {
+        let mut frame = frame.to_vec();
+        frame[at] = byte;
+        said(&frame)
+    };
+    // A transform of HP, as CharLS writes it.
+    let hp = [
+        &[0xFF, 0xD8, 0xFF, 0xE8, 0, 7],
+        &b"mrfx\x01"[..],
+        &lines[2..],
+    ]
+    .concat();
+    assert!(said(&hp).contains("transform of HP"), "{}", said(&hp));
+    let none = [&[0xFF, 0xD8, 0xFF, 0xE8, 0, 7], &b"mrfx\0"[..], &lines[2..]].concat();
+    let file = packed("1.2.840.10008.1.2.4.80", &set, &none);
+    assert_eq!(colors_of(&file)[0], jpeg_ls_color(0, 0, 255));
+    // Bytes of the frame: components at 11, the sampling of the second at 16; then the scan.
+    for (found, part) in [
+        (with(&lines, 11, 1), "1 components"),
+        (with(&lines, 16, 0x21), "subsampled color"),
+        (with(&lines, 25, 2), "wrong length"),
+        (with(&lines, 26, 9), "component 9; the frame has [1, 2, 3]"),
+        (with(&lines, 28, 1), "component 1 is in two scans"),
+        (with(&lines, 27, 1), "mapping tables"),
+        (with(&lines, 33, 0), "interleave mode 0"),
+        (with(&lines, 34, 1), "point transforms"),
+        (said(&lines[..80]), "ends before"),
+        (said(&planes[..56]), "a marker is cut off"),
+        (said(&planes[..90]), "ends before"),
+    ] {
+        assert!(found.contains(part), "{part}: {found}");
+    }
+    // A gray stream where colors are stated, and the reverse.
+    let gray = packed("1.2.840.10008.1.2.4.80", &image(9, 6, &[]), &lines);
+    assert!(message(&[("a.dcm", &gray)]).contains("3 components of 8 bits; allowed are 1"));
+}
+
 #[test]
 fn indices_stand_for_colors_of_the_palette() {
     let tables = |set: &mut Set, descriptor: [u16; 3], tables: [Vec<u8>; 3]| {
@@ -419,6 +535,104 @@ fn indices_stand_for_colors_of_the_palette() {
     assert!(message(&[("a.dcm", &missing.file())]).contains("RedPaletteColorLookupTableData"));
 }
 
+/// Three colors tables in segments, for indices from 0 on.
+fn in_segments(entries: u16, bits: u16, segments: [Vec<u8>; 3], pixels: &[u8]) -> Set {
+    let mut set = color_image(pixels.len() as u16, 1, "PALETTE COLOR", 0);
+    set.shorts((0x28, 2), b"US", &[1])
+        .put(PIXELS, b"OB", pixels);
+    for (i, table) in segments.iter().enumerate() {
+        set.shorts((0x28, 0x1101 + i as u16), b"US", &[entries, 0, bits])
+            .put((0x28, 0x1221 + i as u16), b"OW", table);
+    }
+    set
+}
+
+#[test]
+fn palettes_in_segments_are_unfolded() {
+    let words =
+        |numbers: &[u16]| -> Vec<u8> { numbers.iter().flat_map(|n| n.to_le_bytes()).collect() };
+    // 10 20, then 4 even steps up to 60; the ramp again, from 60 down to 60; 7.
+    let red = words(&[0, 2, 10, 20, 1, 4, 60, 2, 1, 8, 0, 0, 1, 7]);
+    // The discrete segment and the ramp again: 5, 5 + 1000·i/2, 5, 2505, …
+    let green = words(&[0, 1, 5, 1, 2, 1005, 2, 2, 0, 0, 0, 5, 1, 2, 3, 4, 65535]);
+    let blue = words(&[0, 1, 0, 1, 10, 65535]);
+    let mut set = in_segments(
+        11,
+        16,
+        [red, green, blue],
+        &[0, 1, 2, 3, 4, 5, 6, 7, 9, 10, 99],
+    );
+    let expected = [
+        [10.0, 5.0, 0.0],
+        [20.0, 505.0, 6554.0],
+        [30.0, 1005.0, 13107.0],
+        [40.0, 5.0, 19661.0],
+        [50.0, 505.0, 26214.0],
+        [60.0, 1005.0, 32768.0],
+        [60.0, 1.0, 39321.0],
+        [60.0, 2.0, 45875.0],
+        [60.0, 4.0, 58982.0],
+        [7.0, 65535.0, 65535.0],
+        [7.0, 65535.0, 65535.0],
+    ];
+    assert_eq!(colors_of(&set.file()), expected);
+    // A table without segments comes first.
+    for (i, color) in [1, 2, 3].iter().enumerate() {
+        set.put((0x28, 0x1201 + i as u16), b"OW", &words(&[*color; 11]));
+    }
+    assert_eq!(colors_of(&set.file()), [[1.0, 2.0, 3.0]; 11]);
+
+    // Numbers of 8 bits; the offset of the indirect segment has 4 of them. 9 bytes and one to fill up.
+    let red = vec![0, 2, 1, 2, 2, 1, 0, 0, 0, 0];
+    let green = vec![0, 1, 9, 1, 3, 0];
+    let blue = vec![0, 4, 4, 3, 2, 1];
+    let set = in_segments(4, 8, [red, green, blue], &[0, 1, 2, 3]);
+    let expected = [
+        [1.0, 9.0, 4.0],
+        [2.0, 6.0, 3.0],
+        [1.0, 3.0, 2.0],
+        [2.0, 0.0, 1.0],
+    ];
+    assert_eq!(colors_of(&set.file()), expected);
+}
+
+#[test]
+fn damaged_segments_of_palettes_are_refused() {
+    let good: Vec<u8> = [0u16, 4, 1, 2, 3, 4]
+        .iter()
+        .flat_map(|n| n.to_le_bytes())
+        .collect();
+    for (numbers, part) in [
+        (&[1u16, 4, 9][..], "a linear segment comes first"),
+        (&[0, 3, 1, 2, 3], "its segments make 3 of 4 colors"),
+        (&[0, 5, 1, 2, 3, 4, 5], "more than 4 colors"),
+        (&[0, 4, 1, 2, 3, 4, 0, 1, 5], "more than 4 colors"),
+        (&[0, 1, 1, 1, 4, 9], "more than 4 colors"),
+        (&[0, 4, 1, 2, 3], "the segment at number 0 is cut off"),
+        (
+            &[0, 1, 1, 7, 1, 1],
+            "is of kind 7; allowed are 0 (discrete)",
+        ),
+        (&[0, 1, 1, 2, 1, 6, 0], "names another indirect one"),
+        (&[0, 1, 1, 2, 1, 1, 0], "names the odd byte 1"),
+        (&[0, 1, 1, 2, 1, 0xFFFE, 0xFFFF], "is cut off"),
+        (
+            &[0, 1, 1, 0, 0, 2, 0xFFFF, 6, 0],
+            "the segment at number 3 is of length 0",
+        ),
+    ] {
+        let green: Vec<u8> = numbers.iter().flat_map(|n| n.to_le_bytes()).collect();
+        let set = in_segments(4, 16, [good.clone(), green, good.clone()], &[0, 1]);
+        let said = message(&[("a.dcm", &set.file())]);
+        let named = said.contains("SegmentedGreenPaletteColorLookupTableData (0028,1222)");
+        assert!(named && said.contains(part), "{part}: {said}");
+        assert!(
+            said.contains("segments of 16 bits that make 4 colors"),
+            "{said}"
+        );
+    }
+}
+
 #[test]
 fn colors_that_are_not_read_are_named() {
     for (photometric, part) in [
@@ -444,9 +658,6 @@ fn colors_that_are_not_read_are_named() {
         said.contains("lossy JPEG of 12 bits") && said.contains("dcmdjpeg"),
         "{said}"
     );
-    let set = color_image(4, 2, "RGB", 0);
-    let jpeg_ls = packed("1.2.840.10008.1.2.4.80", &set, &[0; 64]);
-    assert!(message(&[("a.dcm", &jpeg_ls)]).contains("color in JPEG-LS"));
 }
 
 /// Frames of colors are there as they are stored and in order, beside the samples that stay.

@@ -1,6 +1,7 @@
 //! Pixels of color (PS3.3, C.7.6.3.1): red, green and blue, luminance with two differences, or indices of a palette.
 
 use super::elements::DataSet;
+use super::palette_segments::Segments;
 use super::tags::{self, Tag, field_name, missing};
 use crate::error::{Error, ErrorKind};
 use crate::read::components::{self, Meaning};
@@ -143,7 +144,7 @@ impl Palette {
     /// The palette of an image.
     ///
     /// # Errors
-    /// Tables that are not there, segmented ones, or such that do not fit together.
+    /// Tables that are not there, that are damaged, or that do not fit together.
     pub(super) fn of(set: &DataSet) -> Result<Palette, Error> {
         let red = Table::of(
             set,
@@ -193,6 +194,11 @@ impl Palette {
     }
 }
 
+/// The bytes of words, the low one first.
+fn bytes_of(words: &[u16]) -> impl Iterator<Item = u16> {
+    words.iter().flat_map(|word| [word & 0xFF, word >> 8])
+}
+
 /// The numbers of one color.
 struct Table {
     first: usize,
@@ -203,15 +209,8 @@ struct Table {
 
 impl Table {
     fn of(set: &DataSet, descriptor: Tag, data: Tag, segmented: Tag) -> Result<Table, Error> {
-        if set.bytes(data).is_none() && set.bytes(segmented).is_some() {
-            return Err(ErrorKind::Unsupported {
-                feature: format!("a palette in segments ({})", field_name(segmented)),
-                instead: "save the images in RGB".into(),
-            }
-            .into());
-        }
         let described = set.u16s(descriptor);
-        let Some([entries, first, _]) = described.as_deref().and_then(|all| all.first_chunk())
+        let Some([entries, first, bits]) = described.as_deref().and_then(|all| all.first_chunk())
         else {
             return Err(missing(
                 descriptor,
@@ -222,30 +221,57 @@ impl Table {
             0 => 1 << 16,
             n => usize::from(n),
         };
-        let words = set
-            .u16s(data)
-            .ok_or_else(|| missing(data, "a table of the palette"))?;
-        // What the descriptor says of the bits is often wrong; the length of the table is not.
-        let is_wide = words.len() == entries;
-        let colors = match is_wide {
-            true => words,
-            false if words.len() == entries.div_ceil(2) => {
-                let bytes = words.iter().flat_map(|word| [word & 0xFF, word >> 8]);
-                bytes.take(entries).collect()
-            }
-            false => {
-                return Err(Error::field(
-                    field_name(data),
-                    format!("of {} bytes", 2 * words.len()),
-                    format!("of {entries} numbers of 8 or 16 bits"),
-                ));
-            }
+        let (colors, is_wide) = match (set.u16s(data), set.u16s(segmented)) {
+            (Some(words), _) => Table::plain(&words, entries, data)?,
+            (None, Some(words)) => Table::of_segments(&words, entries, *bits, segmented)?,
+            (None, None) => return Err(missing(data, "a table of the palette")),
         };
         Ok(Table {
             first: usize::from(*first),
             colors,
             is_wide,
         })
+    }
+
+    /// The colors of a table without segments, and whether they have 16 bits.
+    fn plain(words: &[u16], entries: usize, data: Tag) -> Result<(Vec<u16>, bool), Error> {
+        // What the descriptor says of the bits is often wrong; the length of the table is not.
+        if words.len() == entries {
+            return Ok((words.to_vec(), true));
+        }
+        if words.len() == entries.div_ceil(2) {
+            return Ok((bytes_of(words).take(entries).collect(), false));
+        }
+        Err(Error::field(
+            field_name(data),
+            format!("of {} bytes", 2 * words.len()),
+            format!("of {entries} numbers of 8 or 16 bits"),
+        ))
+    }
+
+    /// The same of a table in segments, whose numbers have `bits`.
+    fn of_segments(
+        words: &[u16],
+        entries: usize,
+        bits: u16,
+        segmented: Tag,
+    ) -> Result<(Vec<u16>, bool), Error> {
+        let are_wide = bits > 8;
+        let bytes: Vec<u16>;
+        let numbers = match are_wide {
+            true => words,
+            false => {
+                bytes = bytes_of(words).collect();
+                &bytes
+            }
+        };
+        let segments = Segments { numbers, are_wide };
+        let colors = segments.colors(entries).map_err(|why| {
+            let found = format!("of {} bytes: {why}", 2 * words.len());
+            let allowed = format!("segments of {bits} bits that make {entries} colors");
+            Error::field(field_name(segmented), found, allowed)
+        })?;
+        Ok((colors, are_wide))
     }
 
     /// What the tables of the three colors have in common.

@@ -1,18 +1,61 @@
-//! JPEG-LS, lossless and near-lossless, of one component (ITU-T T.87; the LOCO-I algorithm of
-//! Weinberger, Seroussi and Sapiro, IEEE Transactions on Image Processing 9(8), 2000).
+//! JPEG-LS, lossless and near-lossless (ITU-T T.87; the LOCO-I algorithm of Weinberger, Seroussi and Sapiro, IEEE
+//! Transactions on Image Processing 9(8), 2000).
 //!
 //! Our own, because the decoders at hand are a C++ library (the program shall build with a Rust
 //! toolchain alone) and a large young tree of crates around another DICOM library.
-//! Departures: palettes (LSE 2 and 3), oversize frames (LSE 4), several components, point
-//! transforms and an unknown number of lines (DNL) are refused; DICOM's gray images have none.
+//! Departures: palettes (LSE 2 and 3), oversize frames (LSE 4), subsampled components, point transforms, the color
+//! transforms of HP and an unknown number of lines (DNL) are refused; DICOM's images have none.
 
 /// What the frame says of itself.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct FrameHeader {
     pub(super) columns: usize,
     pub(super) rows: usize,
     /// Bits of a sample, 2 to 16.
     pub(super) bits: u32,
+    /// The numbers by which scans name the components, in the order of the components.
+    names: Vec<u8>,
+}
+
+impl FrameHeader {
+    /// Of a start of frame, which must be of `columns` × `rows` pixels of `components` samples.
+    fn of(
+        segment: &Segment,
+        columns: usize,
+        rows: usize,
+        components: usize,
+    ) -> Result<Self, String> {
+        let header = FrameHeader {
+            bits: u32::from(segment.byte(0)?),
+            rows: segment.word(1)?,
+            columns: segment.word(3)?,
+            names: segment.body[6.min(segment.body.len())..]
+                .chunks_exact(3)
+                .map(|component| component[0])
+                .collect(),
+        };
+        let count = usize::from(segment.byte(5)?);
+        if (header.columns, header.rows) != (columns, rows) {
+            return Err(format!(
+                "it holds {}×{} samples, the header states {columns}×{rows}",
+                header.columns, header.rows
+            ));
+        }
+        if !(2..=16).contains(&header.bits) || count != components {
+            return Err(format!(
+                "it has {count} components of {} bits; allowed are {components} of 2 to 16 bits",
+                header.bits
+            ));
+        }
+        if segment.body.len() != 6 + 3 * count {
+            return Err(segment.too_short());
+        }
+        let factors = segment.body[6..].chunks_exact(3).map(|entry| entry[1]);
+        if count > 1 && factors.clone().any(|factors| factors != 0x11) {
+            return Err("its components have different sizes (subsampled color)".into());
+        }
+        Ok(header)
+    }
 }
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -22,7 +65,80 @@ struct Preset {
     reset: i32,
 }
 
-/// Decodes a frame of exactly `columns` × `rows` samples into `samples`, row by row.
+impl Preset {
+    fn of(segment: &Segment) -> Result<Preset, String> {
+        let kind = segment.byte(0)?;
+        if kind != 1 {
+            return Err(format!(
+                "preset parameters of kind {kind} are not supported"
+            ));
+        }
+        let word = |i: usize| segment.word(i).map(|word| word as i32);
+        Ok(Preset {
+            max_value: word(1)?,
+            thresholds: [word(3)?, word(5)?, word(7)?],
+            reset: word(9)?,
+        })
+    }
+}
+
+/// What follows a marker.
+struct Segment<'a> {
+    marker: u8,
+    body: &'a [u8],
+    /// Where the next one begins, from the beginning of the data.
+    end: usize,
+}
+
+impl Segment<'_> {
+    /// The one at byte `at`, behind fill bytes if there are any.
+    fn at(data: &[u8], mut at: usize) -> Result<Segment<'_>, String> {
+        while data.get(at..at + 2) == Some(&[0xFF, 0xFF]) {
+            at += 1;
+        }
+        let marker = match data.get(at..at + 2) {
+            Some(&[0xFF, marker]) => marker,
+            Some(_) => return Err(format!("there is no marker at byte {at}")),
+            None => return Err(ENDS_EARLY.into()),
+        };
+        let length = data
+            .get(at + 2..at + 4)
+            .map(|b| usize::from(b[0]) << 8 | usize::from(b[1]))
+            .ok_or(ENDS_EARLY)?
+            .max(2);
+        let end = at + 2 + length;
+        let body = data.get(at + 4..end).ok_or("a marker is cut off")?;
+        Ok(Segment { marker, body, end })
+    }
+
+    fn byte(&self, i: usize) -> Result<u8, String> {
+        let byte = self.body.get(i).copied();
+        byte.ok_or_else(|| self.too_short())
+    }
+
+    fn word(&self, i: usize) -> Result<usize, String> {
+        Ok(usize::from(self.byte(i)?) << 8 | usize::from(self.byte(i + 1)?))
+    }
+
+    fn too_short(&self) -> String {
+        format!("the marker FF {:02X} has a wrong length", self.marker)
+    }
+
+    /// The rows of a restart interval.
+    fn restart_rows(&self) -> Result<usize, String> {
+        if !(2..=4).contains(&self.body.len()) {
+            let n = self.body.len();
+            return Err(format!("a restart interval of {n} bytes is not allowed"));
+        }
+        let bytes = self.body.iter();
+        Ok(bytes.fold(0, |rows, byte| rows << 8 | usize::from(*byte)))
+    }
+}
+
+const ENDS_EARLY: &str = "it ends before its samples";
+
+/// Decodes a frame of exactly `columns` × `rows` pixels into `samples`, row by row, with the `components` of a pixel
+/// side by side.
 ///
 /// # Errors
 /// What is wrong with the data, or which part of the standard is not supported.
@@ -30,106 +146,51 @@ pub(super) fn decode(
     data: &[u8],
     columns: usize,
     rows: usize,
+    components: usize,
     samples: &mut [u16],
 ) -> Result<FrameHeader, String> {
-    let mut at = 2;
     if data.first_chunk() != Some(&[0xFF, 0xD8]) {
         return Err("it does not begin with FF D8".into());
     }
+    let mut at = 2;
     let mut frame = None;
     let mut preset = Preset::default();
     let mut restart_rows = 0;
+    let mut is_decoded = vec![false; components];
     loop {
-        let marker = match data.get(at..at + 2) {
-            Some(&[0xFF, 0xFF]) => {
-                at += 1;
-                continue;
-            }
-            Some(&[0xFF, marker]) => marker,
-            Some(_) => return Err(format!("there is no marker at byte {at}")),
-            None => return Err("it ends before its samples".into()),
-        };
-        let length = data
-            .get(at + 2..at + 4)
-            .map(|b| usize::from(b[0]) << 8 | usize::from(b[1]))
-            .ok_or("it ends before its samples")?;
-        let body = data
-            .get(at + 4..(at + 2 + length).max(at + 4))
-            .ok_or("a marker is cut off")?;
-        at += 2 + length.max(2);
-        let word = |i: usize| -> Result<i32, String> {
-            match body.get(i..i + 2) {
-                Some(b) => Ok(i32::from(b[0]) << 8 | i32::from(b[1])),
-                None => Err(format!("the marker FF {marker:02X} is too short")),
-            }
-        };
-        match marker {
-            // Start of a JPEG-LS frame.
-            0xF7 => {
-                let header = FrameHeader {
-                    bits: (word(0)? >> 8) as u32,
-                    rows: word(1)? as usize,
-                    columns: word(3)? as usize,
-                };
-                let components = word(4)? & 0xFF;
-                if header.columns != columns || header.rows != rows {
-                    return Err(format!(
-                        "it holds {}×{} samples, the header states {columns}×{rows}",
-                        header.columns, header.rows
-                    ));
-                }
-                if !(2..=16).contains(&header.bits) || components != 1 {
-                    return Err(format!(
-                        "it has {components} components of {} bits; allowed are 1 of 2 to 16 bits",
-                        header.bits
-                    ));
-                }
-                frame = Some(header);
-            }
-            // Preset parameters.
-            0xF8 => match word(0)? >> 8 {
-                1 => {
-                    preset = Preset {
-                        max_value: word(1)?,
-                        thresholds: [word(3)?, word(5)?, word(7)?],
-                        reset: word(9)?,
-                    };
-                }
-                kind => {
-                    return Err(format!(
-                        "preset parameters of kind {kind} are not supported"
-                    ));
-                }
-            },
-            // Restart interval, in rows.
-            0xDD => {
-                restart_rows = match body.len() {
-                    2 => word(0)? as usize,
-                    3 => (word(0)? as usize) << 8 | usize::from(body[2]),
-                    4 => (word(0)? as usize) << 16 | word(2)? as usize,
-                    n => return Err(format!("a restart interval of {n} bytes is not allowed")),
-                };
-            }
+        let segment = Segment::at(data, at)?;
+        at = segment.end;
+        match segment.marker {
+            0xF7 => frame = Some(FrameHeader::of(&segment, columns, rows, components)?),
+            0xF8 => preset = Preset::of(&segment)?,
+            0xDD => restart_rows = segment.restart_rows()?,
             // Start of scan.
             0xDA => {
-                let header = frame.ok_or("its samples come before the frame header")?;
-                // Number of components, component, its table, NEAR, interleaving, point transform.
-                let &[1, _, table, near, _, transform] = body else {
-                    return Err("only scans of one component are supported".into());
-                };
-                if table != 0 || transform & 15 != 0 {
-                    return Err("mapping tables and point transforms are not supported".into());
+                let header = frame
+                    .as_ref()
+                    .ok_or("its samples come before the frame header")?;
+                let scan = Scan::of(&segment, header)?;
+                for component in &scan.components {
+                    if std::mem::replace(&mut is_decoded[*component], true) {
+                        return Err(format!("component {} is in two scans", component + 1));
+                    }
                 }
-                let coding = Coding::new(&header, preset, near.into())?;
-                coding.scan(
-                    data.get(at..).ok_or("it ends before its samples")?,
-                    columns,
-                    restart_rows,
-                    samples,
-                )?;
-                return Ok(header);
+                let coding = Coding::new(header, preset, scan.near)?;
+                let rest = data.get(at..).ok_or(ENDS_EARLY)?;
+                let rest = coding.scan(&scan, rest, header, restart_rows, samples)?;
+                if is_decoded.iter().all(|is_decoded| *is_decoded) {
+                    return Ok(header.clone());
+                }
+                at = data.len() - rest.len();
             }
-            0xD9 => return Err("it ends before its samples".into()),
+            0xD9 => return Err(ENDS_EARLY.into()),
+            0xE8 if segment
+                .body
+                .strip_prefix(b"mrfx")
+                .is_some_and(|rest| rest[..] != [0]) =>
+            {
+                return Err("its colors went through a transform of HP (mrfx), which is not part of the standard".into());
+            }
             0xE0..=0xEF | 0xFE => {}
             other => {
                 return Err(format!(
@@ -137,6 +198,69 @@ pub(super) fn decode(
                 ));
             }
         }
+    }
+}
+
+/// In which order the samples of several components come.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Interleave {
+    /// Row by row, one component after the other.
+    Rows,
+    /// Pixel by pixel.
+    Pixels,
+}
+
+/// What a scan says of itself.
+struct Scan {
+    /// Which components of the frame it holds, counted from 0.
+    components: Vec<usize>,
+    near: i32,
+    interleave: Interleave,
+}
+
+impl Scan {
+    fn of(segment: &Segment, header: &FrameHeader) -> Result<Scan, String> {
+        let count = usize::from(segment.byte(0)?);
+        if segment.body.len() != 4 + 2 * count {
+            return Err(segment.too_short());
+        }
+        let (entries, tail) = segment.body[1..].split_at(2 * count);
+        let mut components = Vec::new();
+        for entry in entries.chunks_exact(2) {
+            let &[name, table] = entry else { continue };
+            // A single component is the one that is meant, whatever its name.
+            let found = match header.names.len() {
+                1 => Some(0),
+                _ => header.names.iter().position(|known| *known == name),
+            };
+            components.push(found.ok_or_else(|| {
+                format!(
+                    "a scan names component {name}; the frame has {:?}",
+                    header.names
+                )
+            })?);
+            if table != 0 {
+                return Err("mapping tables are not supported".into());
+            }
+        }
+        if tail[2] & 15 != 0 {
+            return Err("point transforms are not supported".into());
+        }
+        let interleave = match (tail[1], count) {
+            (_, 0) => return Err("a scan has no component".into()),
+            (_, 1) | (1, _) => Interleave::Rows,
+            (2, _) => Interleave::Pixels,
+            (mode, _) => {
+                return Err(format!(
+                    "a scan of {count} components has the interleave mode {mode}; allowed are 1 (line) and 2 (sample)"
+                ));
+            }
+        };
+        Ok(Scan {
+            components,
+            near: tail[0].into(),
+            interleave,
+        })
     }
 }
 
@@ -182,9 +306,9 @@ impl Coding {
         } else {
             let factor = 256 / (max_value + 1);
             [
-                (3 / factor).max(2) + 3 * near,
-                (7 / factor).max(3) + 5 * near,
-                (21 / factor).max(4) + 7 * near,
+                (3 / factor + 3 * near).max(2),
+                (7 / factor + 5 * near).max(3),
+                (21 / factor + 7 * near).max(4),
             ]
         };
         let mut thresholds = [0; 3];
@@ -221,20 +345,23 @@ impl Coding {
         })
     }
 
-    fn scan(
+    /// Decodes a scan and returns what follows it.
+    fn scan<'a>(
         &self,
-        data: &[u8],
-        columns: usize,
+        scan: &Scan,
+        data: &'a [u8],
+        header: &FrameHeader,
         restart_rows: usize,
         samples: &mut [u16],
-    ) -> Result<(), String> {
+    ) -> Result<&'a [u8], String> {
+        let numbers_per_row = header.columns * header.names.len();
         let rows_per_interval = match restart_rows {
-            0 => samples.len() / columns,
+            0 => header.rows,
             n => n,
         };
         let mut data = data;
         for (number, part) in samples
-            .chunks_mut(rows_per_interval.saturating_mul(columns))
+            .chunks_mut(rows_per_interval.saturating_mul(numbers_per_row))
             .enumerate()
         {
             if number > 0 {
@@ -246,10 +373,10 @@ impl Coding {
             }
             let mut state = State::new(self);
             let mut bits = Bits::new(data);
-            state.rows(&mut bits, columns, part)?;
+            state.rows(&mut bits, scan, header, part)?;
             data = bits.after_segment();
         }
-        Ok(())
+        Ok(data)
     }
 
     fn quantized(&self, difference: i32) -> i32 {
@@ -307,11 +434,44 @@ const RUN_ORDER: [u32; 32] = [
     14, 15,
 ];
 
+/// The rows of a component that a scan remembers, with a sample more at both ends: index x + 1 is column x.
+struct Lines {
+    above: Vec<i32>,
+    line: Vec<i32>,
+    run_index: usize,
+}
+
+impl Lines {
+    fn new(columns: usize) -> Lines {
+        Lines {
+            above: vec![0; columns + 2],
+            line: vec![0; columns + 2],
+            run_index: 0,
+        }
+    }
+
+    /// Goes on to the next row.
+    fn advance(&mut self, columns: usize) {
+        std::mem::swap(&mut self.above, &mut self.line);
+        self.above[columns + 1] = self.above[columns];
+        self.line[0] = self.above[1];
+    }
+
+    /// The context of sample x, 0 in runs, and its neighbors: left, above, above left.
+    fn context(&self, coding: &Coding, x: usize) -> (i32, [i32; 3]) {
+        let (above, line) = (&self.above, &self.line);
+        let (a, b, c, d) = (line[x - 1], above[x], above[x - 1], above[x + 1]);
+        let q =
+            81 * coding.quantized(d - b) + 9 * coding.quantized(b - c) + coding.quantized(c - a);
+        (q, [a, b, c])
+    }
+}
+
+/// What a restart interval has learned; its components share it.
 struct State<'a> {
     coding: &'a Coding,
     contexts: Vec<Context>,
     runs: [RunContext; 2],
-    run_index: usize,
 }
 
 impl State<'_> {
@@ -334,52 +494,109 @@ impl State<'_> {
                 count: 1,
                 negative: 0,
             }; 2],
-            run_index: 0,
         }
     }
 
-    fn rows(&mut self, bits: &mut Bits, columns: usize, rows: &mut [u16]) -> Result<(), String> {
-        // Two lines with a sample more at both ends: index x + 1 is column x.
-        let mut above = vec![0i32; columns + 2];
-        let mut line = vec![0i32; columns + 2];
-        for row in rows.chunks_exact_mut(columns) {
-            above[columns + 1] = above[columns];
-            line[0] = above[1];
-            self.line(bits, columns, &above, &mut line)?;
-            for (into, value) in row.iter_mut().zip(&line[1..]) {
-                *into = *value as u16;
+    /// Rows of all components of a frame, of which those of the scan are filled in.
+    fn rows(
+        &mut self,
+        bits: &mut Bits,
+        scan: &Scan,
+        header: &FrameHeader,
+        rows: &mut [u16],
+    ) -> Result<(), String> {
+        let (columns, count) = (header.columns, header.names.len());
+        let mut components: Vec<Lines> = scan
+            .components
+            .iter()
+            .map(|_| Lines::new(columns))
+            .collect();
+        for row in rows.chunks_exact_mut(columns * count) {
+            for lines in &mut components {
+                lines.advance(columns);
             }
-            std::mem::swap(&mut above, &mut line);
+            match scan.interleave {
+                Interleave::Rows => {
+                    for lines in &mut components {
+                        self.line(bits, columns, lines)?;
+                    }
+                }
+                Interleave::Pixels => self.line_of_pixels(bits, columns, &mut components)?,
+            }
+            for (lines, component) in components.iter().zip(&scan.components) {
+                let into = row[*component..].iter_mut().step_by(count);
+                for (into, value) in into.zip(&lines.line[1..]) {
+                    *into = *value as u16;
+                }
+            }
         }
         Ok(())
     }
 
-    fn line(
-        &mut self,
-        bits: &mut Bits,
-        columns: usize,
-        above: &[i32],
-        line: &mut [i32],
-    ) -> Result<(), String> {
+    fn line(&mut self, bits: &mut Bits, columns: usize, lines: &mut Lines) -> Result<(), String> {
         let mut x = 1;
         while x <= columns {
-            let (a, b, c, d) = (line[x - 1], above[x], above[x - 1], above[x + 1]);
-            let q = 81 * self.coding.quantized(d - b)
-                + 9 * self.coding.quantized(b - c)
-                + self.coding.quantized(c - a);
+            let (q, neighbors) = lines.context(self.coding, x);
             if q != 0 {
-                line[x] = self.regular(bits, q, [a, b, c])?;
+                lines.line[x] = self.regular(bits, q, neighbors)?;
                 x += 1;
                 continue;
             }
-            let length = self.run_length(bits, columns + 1 - x)?;
-            line[x..x + length].fill(a);
+            let left = neighbors[0];
+            let length = run_length(bits, &mut lines.run_index, columns + 1 - x)?;
+            lines.line[x..x + length].fill(left);
             x += length;
             if x <= columns {
-                line[x] = self.interruption(bits, a, above[x])?;
-                self.run_index = self.run_index.saturating_sub(1);
+                let above = lines.above[x];
+                let is_flat = (left - above).abs() <= self.coding.near;
+                lines.line[x] = self.interruption(bits, lines.run_index, is_flat, left, above)?;
+                lines.run_index = lines.run_index.saturating_sub(1);
                 x += 1;
             }
+        }
+        Ok(())
+    }
+
+    /// A row of all components, pixel by pixel. A run is one of all components, and they share its order.
+    fn line_of_pixels(
+        &mut self,
+        bits: &mut Bits,
+        columns: usize,
+        components: &mut [Lines],
+    ) -> Result<(), String> {
+        let coding = self.coding;
+        let mut run_index = components.first().map_or(0, |lines| lines.run_index);
+        let mut x = 1;
+        while x <= columns {
+            if components
+                .iter()
+                .any(|lines| lines.context(coding, x).0 != 0)
+            {
+                for lines in components.iter_mut() {
+                    let (q, neighbors) = lines.context(coding, x);
+                    lines.line[x] = self.regular(bits, q, neighbors)?;
+                }
+                x += 1;
+                continue;
+            }
+            let length = run_length(bits, &mut run_index, columns + 1 - x)?;
+            for lines in components.iter_mut() {
+                let left = lines.line[x - 1];
+                lines.line[x..x + length].fill(left);
+            }
+            x += length;
+            if x <= columns {
+                for lines in components.iter_mut() {
+                    let (left, above) = (lines.line[x - 1], lines.above[x]);
+                    // The run may have ended for another component, so nothing follows from equal neighbors.
+                    lines.line[x] = self.interruption(bits, run_index, false, left, above)?;
+                }
+                run_index = run_index.saturating_sub(1);
+                x += 1;
+            }
+        }
+        for lines in components {
+            lines.run_index = run_index;
         }
         Ok(())
     }
@@ -387,7 +604,8 @@ impl State<'_> {
     /// A sample by prediction (A.4 to A.6).
     fn regular(&mut self, bits: &mut Bits, q: i32, [a, b, c]: [i32; 3]) -> Result<i32, String> {
         let coding = self.coding;
-        let sign = q.signum();
+        // In a pixel of several components, q may be 0 here.
+        let sign = if q < 0 { -1 } else { 1 };
         let context = &mut self.contexts[q.unsigned_abs() as usize];
         let edge = if c >= a.max(b) {
             a.min(b)
@@ -428,37 +646,23 @@ impl State<'_> {
         Ok(coding.reconstructed(predicted, sign * error))
     }
 
-    /// How many samples repeat the one before, at most `left` (A.7.1).
-    fn run_length(&mut self, bits: &mut Bits, left: usize) -> Result<usize, String> {
-        let mut length = 0;
-        while bits.read(1)? == 1 {
-            let whole = 1 << RUN_ORDER[self.run_index];
-            if whole <= left - length {
-                self.run_index = (self.run_index + 1).min(RUN_ORDER.len() - 1);
-            }
-            length = left.min(length + whole);
-            if length == left {
-                return Ok(length);
-            }
-        }
-        length += bits.read(RUN_ORDER[self.run_index])? as usize;
-        if length > left {
-            return Err("a run is longer than its row".into());
-        }
-        Ok(length)
-    }
-
-    /// The sample after a run (A.7.2).
-    fn interruption(&mut self, bits: &mut Bits, a: i32, b: i32) -> Result<i32, String> {
+    /// The sample after a run, by the one before the run or the one above (A.7.2).
+    fn interruption(
+        &mut self,
+        bits: &mut Bits,
+        run_index: usize,
+        is_flat: bool,
+        a: i32,
+        b: i32,
+    ) -> Result<i32, String> {
         let coding = self.coding;
-        let is_flat = (a - b).abs() <= coding.near;
         let kind = i32::from(is_flat);
         let context = &mut self.runs[kind as usize];
         let k = order(
             context.count,
             context.size.saturating_add(kind * (context.count >> 1)),
         );
-        let limit = coding.limit - RUN_ORDER[self.run_index] - 1;
+        let limit = coding.limit - RUN_ORDER[run_index] - 1;
         let mapped = bits.golomb(k, limit, coding.error_bits)?;
         let folded = mapped + kind;
         let map = folded & 1;
@@ -483,6 +687,26 @@ impl State<'_> {
             false => coding.reconstructed(b, if a > b { -error } else { error }),
         })
     }
+}
+
+/// How many samples repeat the one before, at most `left` (A.7.1).
+fn run_length(bits: &mut Bits, run_index: &mut usize, left: usize) -> Result<usize, String> {
+    let mut length = 0;
+    while bits.read(1)? == 1 {
+        let whole = 1 << RUN_ORDER[*run_index];
+        if whole <= left - length {
+            *run_index = (*run_index + 1).min(RUN_ORDER.len() - 1);
+        }
+        length = left.min(length + whole);
+        if length == left {
+            return Ok(length);
+        }
+    }
+    length += bits.read(RUN_ORDER[*run_index])? as usize;
+    if length > left {
+        return Err("a run is longer than its row".into());
+    }
+    Ok(length)
 }
 
 /// The order of the Golomb code: the smallest k with count·2^k ≥ size (A.5.1).

@@ -500,15 +500,10 @@ impl<'a> Source<'a> {
     }
 
     fn jpeg_ls<T: Stored>(&self, packed: &[u8], numbers: &mut [T]) -> Result<(), Error> {
-        if self.layout.color.stored_numbers() > 1 {
-            return Err(ErrorKind::Unsupported {
-                feature: "color in JPEG-LS".into(),
-                instead: CONVERT.into(),
-            }
-            .into());
-        }
         let mut decoded = zeroed(numbers.len())?;
-        jpeg_ls::decode(packed, self.layout.columns, self.layout.rows, &mut decoded)
+        let (columns, rows) = (self.layout.columns, self.layout.rows);
+        let components = self.layout.color.stored_numbers();
+        jpeg_ls::decode(packed, columns, rows, components, &mut decoded)
             .map_err(|why| compression("JPEG-LS", why))?;
         self.take(decoded.iter().map(|v| i64::from(*v)), numbers);
         Ok(())
