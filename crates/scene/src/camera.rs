@@ -4,13 +4,14 @@
 //! that VTK gives them (`vtkRenderer::ResetCamera`, `vtkCamera::Elevation`, `Azimuth`, `Zoom`), so
 //! that pictures can be compared side by side. *Free*: position, focus and up in RAS mm.
 
+use crate::patient::is_patient;
 use crate::plan::{PlanCamera, Projection as PlanProjection};
 use crate::problem::{Checker, Within};
 use glam::{DQuat, DVec3};
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use strahl_volume::{Grid, Modality, VolumeHeader};
+use strahl_volume::{Grid, VolumeHeader};
 
 /// The camera: on an orbit around the volume, or, with `position`, free.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -141,23 +142,6 @@ impl std::str::FromStr for View {
 const VIEW_ANGLE_DEG: f64 = 30.0;
 /// Share of the picture's height or width that a fitted box fills.
 const FIT: f64 = 0.96;
-
-/// Whether the volume looks like a patient's: it names a clinical modality, or its place in the
-/// world is more than what a writer makes up (1 mm steps, centered on the origin).
-pub(crate) fn is_patient(header: &VolumeHeader) -> bool {
-    match header.metadata.modality {
-        Some(Modality::Ct | Modality::Mr | Modality::Nuclear | Modality::Ultrasound) => true,
-        Some(Modality::Microscopy | Modality::Simulation) => false,
-        None => {
-            let grid = &header.grid;
-            let center = grid.center_mm();
-            let made_up = grid.spacing_mm() == DVec3::ONE
-                && grid.orientation() == "RAS"
-                && center.abs().max_element() <= 1.0;
-            header.metadata.has_length_unit && !made_up
-        }
-    }
-}
 
 /// Radius of the sphere about the voxel centers: what VTK calls the bounds of an image.
 fn bounding_radius_mm(grid: &Grid) -> f64 {

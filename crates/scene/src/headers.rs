@@ -43,6 +43,8 @@ pub struct LabelHeader {
     pub labels: Vec<Label>,
     /// The ids that voxels have or names belong to, ascending.
     pub ids: Vec<u32>,
+    /// Those of them that no voxel has.
+    pub unused_ids: Vec<u32>,
 }
 
 impl LabelHeader {
@@ -62,6 +64,7 @@ impl From<&LabelVolume> for LabelHeader {
             grid: *labels.grid(),
             labels: labels.labels().to_vec(),
             ids: labels.known_ids().to_vec(),
+            unused_ids: labels.unused_ids().to_vec(),
         }
     }
 }

@@ -44,6 +44,7 @@ mod nearest;
 mod noise_tile;
 mod object;
 mod parse;
+mod patient;
 mod places;
 mod planning;
 mod preset;

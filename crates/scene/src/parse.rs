@@ -2,9 +2,10 @@
 
 use crate::nearest::nearest;
 use crate::{Method, Scene};
-use serde::de::{Deserialize, Deserializer, Visitor};
+use serde::de::{Deserialize, Deserializer, IgnoredAny, Visitor};
 use serde::forward_to_deserialize_any;
 use serde_json::error::Category;
+use std::collections::BTreeSet;
 
 /// The longest scene that is accepted.
 pub const MOST_SCENE_BYTES: usize = 16 << 20;
@@ -41,6 +42,13 @@ pub enum Error {
         /// Path of the key; `scene` is the whole text.
         path: String,
     },
+    /// More than one mistake.
+    #[error("{}", lines(.mistakes))]
+    Several {
+        /// Keys that a scene does not have, and the first other mistake if there is one; in the order in which they are
+        /// found.
+        mistakes: Vec<Error>,
+    },
     /// A key or value that a scene does not have.
     #[error("{file}:{line}:{column}: {path}: {why}")]
     Key {
@@ -72,7 +80,7 @@ impl Scene {
     /// ```
     ///
     /// # Errors
-    /// The first mistake, with its line, column and path.
+    /// All keys that a scene does not have and the first other mistake, with their lines, columns and paths.
     pub fn parse(name: &str, text: &str) -> Result<Scene, Error> {
         let file = name.to_owned();
         if text.len() > MOST_SCENE_BYTES {
@@ -93,13 +101,7 @@ impl Scene {
             });
         }
         let plain = with_lines_of(text, plain);
-        let mut json = serde_json::Deserializer::from_str(&plain);
-        let mut scene: Scene = serde_path_to_error::deserialize(&mut json).map_err(|error| {
-            let path = error.path().to_string();
-            located(&file, &plain, path, error.into_inner())
-        })?;
-        json.end()
-            .map_err(|error| located(&file, &plain, ".".to_owned(), error))?;
+        let mut scene = read(&file, &plain).map_err(|first| all_mistakes(&file, &plain, first))?;
         // serde also takes an object's values as a list; nobody could read such a scene.
         let as_written: serde_json::Value = serde_json::from_str(&plain)
             .map_err(|error| located(&file, &plain, ".".to_owned(), error))?;
@@ -123,6 +125,112 @@ impl Scene {
         text.push('\n');
         text
     }
+}
+
+/// A mistake, and the key if no scene has it.
+struct Mistake {
+    error: Error,
+    unknown_key: Option<UnknownKey>,
+}
+
+/// A key that no scene has, and where it ends.
+struct UnknownKey {
+    name: String,
+    line: usize,
+    column: usize,
+}
+
+/// The scene in `plain`, or its first mistake.
+fn read(file: &str, plain: &str) -> Result<Scene, Mistake> {
+    let mut json = serde_json::Deserializer::from_str(plain);
+    let mistake = |path: String, error: serde_json::Error| {
+        let text = error.to_string();
+        let name = text.strip_prefix("unknown field `");
+        let name = name.and_then(|rest| rest.split('`').next());
+        Mistake {
+            unknown_key: name.map(|name| UnknownKey {
+                name: name.to_owned(),
+                line: error.line(),
+                column: error.column(),
+            }),
+            error: located(file, plain, path, error),
+        }
+    };
+    let scene = serde_path_to_error::deserialize(&mut json).map_err(|error| {
+        let path = error.path().to_string();
+        mistake(path, error.into_inner())
+    })?;
+    json.end().map_err(|error| mistake(".".to_owned(), error))?;
+    Ok(scene)
+}
+
+/// The `first` mistake and those that are found where the keys before them are left out.
+fn all_mistakes(file: &str, plain: &str, first: Mistake) -> Error {
+    /// Whoever has more reads the first.
+    const MOST: usize = 20;
+    let mut text = plain.to_owned();
+    let mut mistakes = Vec::new();
+    let mut paths = BTreeSet::new();
+    let mut next = Some(first);
+    while let Some(Mistake {
+        mut error,
+        unknown_key,
+    }) = next
+    {
+        if let Error::Key { path, why, .. } = &mut error
+            && unknown_key.is_some()
+            && !paths.insert(path.clone())
+            && let Some(at) = why.find("known are")
+        {
+            // The keys of this object have been listed.
+            why.truncate(at);
+            why.truncate(why.trim_end_matches([' ', ';']).len());
+        }
+        mistakes.push(error);
+        let rest = unknown_key.and_then(|key| without_entry(&text, &key));
+        next = match rest {
+            Some(rest) if mistakes.len() < MOST => {
+                text = rest;
+                read(file, &text).err()
+            }
+            _ => None,
+        };
+    }
+    match mistakes.len() {
+        1 => mistakes.remove(0),
+        _ => Error::Several { mistakes },
+    }
+}
+
+/// `text` with blanks in place of `key` and its value, so that everything else stays where it is. `None` if that is
+/// not possible.
+fn without_entry(text: &str, key: &UnknownKey) -> Option<String> {
+    let lines = text.split_inclusive('\n').take(key.line.checked_sub(1)?);
+    let end = lines.map(str::len).sum::<usize>() + key.column;
+    let quoted = format!("{:?}", key.name);
+    let mut begin = end.checked_sub(quoted.len())?;
+    if text.get(begin..end)? != quoted {
+        return None;
+    }
+    let value = text.get(end..)?.trim_start().strip_prefix(':')?;
+    let mut values = serde_json::Deserializer::from_str(value).into_iter::<IgnoredAny>();
+    values.next()?.ok()?;
+    let behind = value.get(values.byte_offset()..)?.trim_start();
+    let mut stop = text.len() - behind.len();
+    if behind.starts_with(',') {
+        stop += 1;
+    } else if let Some(before) = text[..begin].trim_end().strip_suffix(',') {
+        begin = before.len();
+    }
+    let blank = text[begin..stop].bytes();
+    let blank = blank.map(|byte| if byte == b'\n' { '\n' } else { ' ' });
+    let blank: String = blank.collect();
+    Some([&text[..begin], &blank, &text[stop..]].concat())
+}
+
+fn lines(mistakes: &[Error]) -> String {
+    let texts: Vec<String> = mistakes.iter().map(Error::to_string).collect();
+    texts.join("\n")
 }
 
 /// The keys of a scene, in its order.

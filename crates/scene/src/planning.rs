@@ -387,7 +387,7 @@ fn check_given(scene: &Scene, checker: &mut Checker) {
     {
         let names: Vec<_> = presets().iter().map(|preset| preset.name).collect();
         let known = names.join(", ");
-        let allowed = match crate::nearest::nearest(name, names.iter().copied()) {
+        let allowed = match PresetInfo::nearest(name) {
             Some(near) => format!("{known}; did you mean {near:?}?"),
             None => known,
         };

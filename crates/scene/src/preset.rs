@@ -1,7 +1,9 @@
 //! Presets: scene fragments that fill in what a scene does not say.
 
+use crate::nearest::nearest;
+use crate::patient::{is_patient, looks_like_hounsfield};
 use crate::window::{otsu_threshold, share_above};
-use crate::{Method, Scene, camera};
+use crate::{Method, Scene};
 use strahl_volume::{Modality, VolumeHeader};
 
 /// Name and purpose of a preset.
@@ -85,9 +87,15 @@ pub fn presets() -> &'static [PresetInfo] {
 }
 
 impl PresetInfo {
-    /// The preset called `name`.
+    /// The preset called `name`; `gray` and `grey` are the same word.
     pub fn find(name: &str) -> Option<&'static PresetInfo> {
-        PRESETS.iter().find(|preset| preset.name == name)
+        let wanted = name.replace("gray", "grey");
+        PRESETS.iter().find(|preset| preset.name == wanted)
+    }
+
+    /// The name of the preset that was probably meant by `name`, which is none.
+    pub fn nearest(name: &str) -> Option<&'static str> {
+        nearest(name, PRESETS.iter().map(|preset| preset.name))
     }
 
     /// The preset as the text of a scene, with comments, ready to be saved and edited.
@@ -128,7 +136,7 @@ fn by_volume(header: &VolumeHeader) -> &'static str {
         Some(Modality::Nuclear | Modality::Ultrasound) => "mr",
         Some(Modality::Microscopy | Modality::Simulation) => "solid",
         None if looks_like_hounsfield(header) => "ct-bone",
-        None if camera::is_patient(header) => {
+        None if is_patient(header) => {
             // Less than a twentieth of the box is bright: vessels from which the rest was taken.
             if share_above(statistics, otsu_threshold(statistics)) < 0.05 {
                 "vessels"
@@ -140,19 +148,28 @@ fn by_volume(header: &VolumeHeader) -> &'static str {
     }
 }
 
-/// Whether the values may be Hounsfield units: they say so, or they reach from air (−1000, with the
-/// fill values that scanners use below it) to bone.
-fn looks_like_hounsfield(header: &VolumeHeader) -> bool {
-    if header.metadata.value_unit.as_deref() == Some("HU") {
-        return true;
-    }
-    let [lo, hi] = header.statistics.range;
-    (-4096.0..=-800.0).contains(&lo) && (200.0..=32_767.0).contains(&hi)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_part_of_a_name_finds_the_preset() {
+        for (name, meant) in [
+            ("bone", Some("ct-bone")),
+            ("Bones", Some("ct-bone")),
+            ("soft tissue", Some("ct-soft-tissue")),
+            ("lung", Some("ct-lung")),
+            ("angio", Some("ct-angio")),
+            ("ct-bnoe", Some("ct-bone")),
+            ("contxt", Some("context")),
+            ("xray", Some("x-ray")),
+            ("zebra", None),
+        ] {
+            assert_eq!(PresetInfo::nearest(name), meant, "{name}");
+        }
+        assert_eq!(PresetInfo::find("gray"), PresetInfo::find("grey"));
+        assert!(PresetInfo::find("gray").is_some());
+    }
 
     /// [`PresetInfo::scene`] relies on it.
     #[test]

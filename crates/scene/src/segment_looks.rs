@@ -295,6 +295,31 @@ fn notes_of(path: &str, uses: &[SegmentUse], labels: &LabelHeader, notes: &mut V
             let near = near.map_or(String::new(), |near| format!("; did you mean {near:?}?"));
             notes.push(format!("{path}[{i}].of: no segment has {what}{near}"));
         }
+        if used.show != Some(false) {
+            notes.extend(note_of_unused(&format!("{path}[{i}].of"), &used.of, labels));
+        }
+    }
+}
+
+/// What to say of segments that were asked for, that have names, and that no voxel belongs to.
+fn note_of_unused(path: &str, of: &SegmentChoice, labels: &LabelHeader) -> Option<String> {
+    /// More would not be read.
+    const MOST: usize = 6;
+    let mut unused = Vec::new();
+    of.without_voxels(labels, &mut unused);
+    let name = |id: &u32| match labels.labels.iter().find(|label| label.id == *id) {
+        Some(label) => format!("{:?} ({id})", label.name),
+        None => id.to_string(),
+    };
+    let named: Vec<String> = unused.iter().take(MOST).map(name).collect();
+    let named = named.join(", ");
+    match unused.len() {
+        0 => None,
+        1 => Some(format!("{path}: the segment {named} has no voxels")),
+        n if n > MOST => Some(format!(
+            "{path}: {n} segments have no voxels, such as {named}"
+        )),
+        _ => Some(format!("{path}: the segments {named} have no voxels")),
     }
 }
 

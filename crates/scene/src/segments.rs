@@ -126,6 +126,27 @@ impl SegmentChoice {
         }
     }
 
+    /// The segments of its parts that choose only such as no voxel has.
+    pub(crate) fn without_voxels(&self, labels: &LabelHeader, found: &mut Vec<u32>) {
+        match self {
+            SegmentChoice::List(list) => {
+                list.iter()
+                    .for_each(|choice| choice.without_voxels(labels, found));
+            }
+            SegmentChoice::But(_) | SegmentChoice::Id(0) => {}
+            choice => {
+                let chosen = labels
+                    .segments()
+                    .filter(|(id, label)| choice.has(*id, *label));
+                let chosen: Vec<u32> = chosen.map(|(id, _)| id).collect();
+                let is_unused = |id: &u32| labels.unused_ids.binary_search(id).is_ok();
+                if chosen.iter().all(is_unused) {
+                    found.extend(chosen);
+                }
+            }
+        }
+    }
+
     /// Its parts that choose no segment of `labels`.
     pub(crate) fn without_segments<'c>(
         &'c self,

@@ -211,7 +211,7 @@ impl SettledScene {
         let mut scene = Scene {
             format: given.format.or(Some(FORMAT)),
             objects: self.objects(given),
-            preset: given.preset.clone().or_else(|| name_of(self.preset)),
+            preset: known_name(given.preset.clone()).or_else(|| name_of(self.preset)),
             transfer_function: Some(self.volumes[0].function.scene()),
             shading: Some(given.shading.unwrap_or_default().filled(&self.shading)),
             lights: says_lights.then(|| self.lights.iter().map(|light| light.scene()).collect()),
@@ -244,7 +244,8 @@ impl SettledScene {
         }
         for volume in &self.volumes {
             if let Some(object) = volume.place.object.map(|i| &mut objects[i]) {
-                object.preset = object.preset.take().or_else(|| name_of(volume.preset));
+                let named = known_name(object.preset.take());
+                object.preset = named.or_else(|| name_of(volume.preset));
                 object.transfer_function = Some(volume.function.scene());
                 if let (Some(own), Some(settled)) = (&mut object.shading, &volume.shading) {
                     *own = own.filled(settled);
@@ -280,6 +281,12 @@ fn preset(
         Some(name) => PresetInfo::find(name),
         None => Some(PresetInfo::automatic(method, header)),
     }
+}
+
+/// The name of a preset as presets are listed.
+fn known_name(named: Option<String>) -> Option<String> {
+    let known = |name: String| PresetInfo::find(&name).map_or(name, |info| info.name.to_owned());
+    named.map(known)
 }
 
 fn name_of(preset: Option<&PresetInfo>) -> Option<String> {

@@ -46,7 +46,16 @@ pub struct LabelVolume {
     labels: Vec<Label>,
     content_id: ContentId,
     /// Found when somebody first asks.
-    known_ids: Arc<OnceLock<Vec<u32>>>,
+    known_ids: Arc<OnceLock<KnownIds>>,
+}
+
+/// Ids, ascending.
+#[derive(Debug)]
+struct KnownIds {
+    /// Those that voxels have or names belong to.
+    all: Vec<u32>,
+    /// Those of names that no voxel has.
+    unused: Vec<u32>,
 }
 
 impl LabelVolume {
@@ -140,11 +149,22 @@ impl LabelVolume {
 
     /// The ids that voxels have or names belong to, ascending.
     pub fn known_ids(&self) -> &[u32] {
+        &self.known().all
+    }
+
+    /// The ids that names belong to and no voxel has, ascending.
+    pub fn unused_ids(&self) -> &[u32] {
+        &self.known().unused
+    }
+
+    fn known(&self) -> &KnownIds {
         self.known_ids.get_or_init(|| {
-            let of_voxels = self.counts().into_iter().map(|(id, _)| id);
-            let mut known: BTreeSet<u32> = of_voxels.collect();
-            known.extend(self.labels.iter().map(|label| label.id));
-            known.into_iter().collect()
+            let used: BTreeSet<u32> = self.counts().into_iter().map(|(id, _)| id).collect();
+            let named: BTreeSet<u32> = self.labels.iter().map(|label| label.id).collect();
+            KnownIds {
+                all: used.union(&named).copied().collect(),
+                unused: named.difference(&used).copied().collect(),
+            }
         })
     }
 
@@ -232,6 +252,7 @@ mod tests {
         for stored in [wide, narrow] {
             let labels = LabelVolume::from_volume(stored, vec![named.clone()]).unwrap();
             assert_eq!(labels.known_ids(), [0, 7, 1000, 2000, 3000]);
+            assert_eq!(labels.unused_ids(), [7]);
             // 3600 voxels in runs of 700: the first id has 700 and the last 100 again.
             let counts = [(0, 1400), (1000, 800), (2000, 700), (3000, 700)];
             assert_eq!(labels.counts(), counts);

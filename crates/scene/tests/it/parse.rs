@@ -59,6 +59,57 @@ fn mistakes_are_named() {
 }
 
 #[test]
+fn all_unknown_keys_are_named_at_once() {
+    let text = r#"{
+  "camra": { "view": ["}", "front"] }, // the first
+  "camera": { "positon": [0, 0, 0], "zoom": 2, "zom": 3, },
+  "sise": [1, 2],
+  "method": "MIP",
+  "sice": "ä"
+}"#;
+    let said = message(text);
+    let lines: Vec<&str> = said.lines().collect();
+    assert_eq!(lines.len(), 5, "{said}");
+    for (line, parts) in lines.iter().zip([
+        [
+            "scene.json:2:9: scene: unknown key \"camra\"",
+            "\"camera\"? known are format",
+        ],
+        [
+            "scene.json:3:23: camera: unknown key \"positon\"",
+            "known are projection",
+        ],
+        [
+            "scene.json:3:52: camera: unknown key \"zom\"",
+            "did you mean \"zoom\"?",
+        ],
+        [
+            "scene.json:4:8: scene: unknown key \"sise\"",
+            "did you mean \"size\"?",
+        ],
+        // What follows a mistake of another kind is not known.
+        [
+            "scene.json:5:17: method: unknown value \"MIP\"",
+            "did you mean \"mip\"?",
+        ],
+    ]) {
+        assert!(parts.iter().all(|part| line.contains(part)), "{said}");
+    }
+    // The keys of an object are listed once.
+    assert_eq!(said.matches("known are format").count(), 1, "{said}");
+    let good = text.replace("\"method\": \"MIP\",", "");
+    let said = message(&good);
+    assert!(said.contains(":6:8: scene: unknown key \"sice\""), "{said}");
+    assert_eq!(said.lines().count(), 5, "{said}");
+    // A hundred are too many to be read, and a damaged value ends the search.
+    let many: Vec<String> = (0..100).map(|i| format!("\"a{i}\": {{}}")).collect();
+    let said = message(&format!("{{ {} }}", many.join(", ")));
+    assert_eq!(said.lines().count(), 20, "{said}");
+    let said = message(r#"{ "camra": [1, }"#);
+    assert_eq!(said.lines().count(), 1, "{said}");
+}
+
+#[test]
 fn a_rule_for_samples_in_place_of_one_for_runs_is_sent_to_its_key() {
     let text = message(r#"{ "composite": "opacity-peeling" }"#);
     assert!(text.contains("set `method` to it"), "{text}");

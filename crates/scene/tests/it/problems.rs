@@ -126,6 +126,7 @@ fn labels_that_lie_elsewhere_are_refused() {
         grid: header_at(dims, corner).grid,
         labels: Vec::new(),
         ids: vec![0, 1],
+        unused_ids: Vec::new(),
     };
     let same = of([256, 256, 128], DVec3::new(-127.0, -127.0, -64.0));
     assert!(resolve(&scene, &engine(), Some(&same)).is_ok());

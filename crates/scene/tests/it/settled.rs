@@ -5,7 +5,8 @@ use strahl_scene::plan::{
     Reconstruct, Shade,
 };
 use strahl_scene::{
-    Headers, LabelHeader, Scene, plan, presets, resolve, resolve_with, settled, why_nothing_is_seen,
+    Headers, LabelHeader, Scene, plan, presets, resolve, resolve_with, segment_notes, settled,
+    why_nothing_is_seen,
 };
 use strahl_volume::{Label, Modality, VolumeHeader};
 
@@ -339,6 +340,7 @@ fn a_preset_draws_as_its_text_does() {
             Label::new(3, "aorta"),
         ],
         ids: vec![0, 1, 2, 3],
+        unused_ids: Vec::new(),
     };
     let mut plans = Vec::new();
     for preset in presets() {
@@ -397,5 +399,64 @@ fn qualities_choose_interpolation_gradient_and_light() {
         };
         let is_mirror = matches!(illuminate, Illuminate::CookTorrance { .. });
         assert_eq!(is_mirror, is_best, "{illuminate:?}");
+    }
+}
+
+/// Many programs leave the unit of lengths out, and CT says by its values what it is.
+#[test]
+fn a_scan_in_hounsfield_units_opens_from_the_front_without_a_length_unit() {
+    let view = |header: &VolumeHeader| {
+        let camera = settled(&Scene::default(), header).camera.unwrap();
+        (camera.elevation_deg, camera.azimuth_deg)
+    };
+    let mut header = ct_head();
+    header.metadata.modality = None;
+    header.metadata.has_length_unit = false;
+    assert_eq!(view(&header), (Some(0.0), Some(0.0)));
+    header.statistics.range = [0.0, 255.0];
+    assert_eq!(view(&header), (Some(20.0), Some(30.0)));
+    // Placed by nobody.
+    let mut engine = engine();
+    engine.statistics.range = [-1024.0, 3071.0];
+    assert_eq!(view(&engine), (Some(20.0), Some(30.0)));
+}
+
+#[test]
+fn segments_without_voxels_are_named_if_they_are_to_be_seen() {
+    let labels = LabelHeader {
+        grid: engine().grid,
+        labels: vec![
+            Label::new(1, "liver"),
+            Label::new(2, "lung_left"),
+            Label::new(3, "lung_right"),
+            Label::new(4, "aorta"),
+        ],
+        ids: vec![0, 1, 2, 3, 4],
+        unused_ids: vec![2, 3],
+    };
+    let notes = |segments: &str| {
+        let text = format!(r#"{{ "segments": [{segments}] }}"#);
+        segment_notes(&Scene::parse("scene.json", &text).unwrap(), &labels)
+    };
+    for (segments, note) in [
+        (
+            r#"{ "of": "lung_left" }"#,
+            r#"segments[0].of: the segment "lung_left" (2) has no voxels"#,
+        ),
+        (
+            r#"{ "of": "*", "show": false }, { "of": [4, "lung_*"], "show": true }"#,
+            r#"segments[1].of: the segments "lung_left" (2), "lung_right" (3) have no voxels"#,
+        ),
+    ] {
+        assert_eq!(notes(segments), [note]);
+    }
+    // Some of the chosen ones are there, or none is to be seen.
+    for segments in [
+        r#"{ "of": "l*" }"#,
+        r#"{ "of": "*" }"#,
+        r#"{ "of": "lung_left", "show": false }"#,
+        r#"{ "of": { "not": ["lung_left"] } }"#,
+    ] {
+        assert_eq!(notes(segments), [""; 0], "{segments}");
     }
 }
