@@ -32,8 +32,9 @@ use clap::builder::PossibleValuesParser;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Args, Parser, Subcommand};
 use std::ffi::OsString;
-use std::path::PathBuf;
-use strahl::presets;
+use std::path::{Path, PathBuf};
+use strahl::scene::PresetInfo;
+use strahl::{Recipe, presets};
 
 /// A volume renderer: reads CT, MR, microscopy and simulation data and draws it.
 #[derive(Debug, Parser)]
@@ -58,6 +59,7 @@ impl Flags {
     pub fn from_command_line() -> Flags {
         Flags::try_parse().unwrap_or_else(|mut error| {
             suggest_output(&mut error, std::env::args_os());
+            suggest_preset(&mut error);
             error.exit()
         })
     }
@@ -70,18 +72,46 @@ fn suggest_output(error: &mut clap::Error, arguments: impl Iterator<Item = OsStr
     {
         return;
     }
-    let is_picture = |path: &PathBuf| {
-        let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
-        extension == "png" || extension == "exr"
-    };
     // A lone picture is an input: it contains a scene.
     let inputs: Vec<PathBuf> = arguments.skip(2).map(PathBuf::from).collect();
     if let Some(picture) = inputs.iter().skip(1).rfind(|path| is_picture(path)) {
-        let suggestion = format!("did you mean '-o {}'?", picture.display());
+        let name = picture.display();
+        let mut suggestions = vec![format!("did you mean '-o {name}'?").into()];
+        if let (Some(volume), Ok(Some(_))) = (inputs.first(), Recipe::of_file(picture)) {
+            let volume = volume.display();
+            let of_scene =
+                format!("{name} has a scene; '{name} {volume} -o …' draws it with {volume}");
+            suggestions.push(of_scene.into());
+        }
         error.insert(
             ContextKind::Suggested,
-            ContextValue::StyledStrs(vec![suggestion.into()]),
+            ContextValue::StyledStrs(suggestions),
         );
+    }
+}
+
+/// Whether a file is a picture that can be written, by its name.
+pub fn is_picture(path: &Path) -> bool {
+    let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
+    extension == "png" || extension == "exr"
+}
+
+/// Puts the preset that was probably meant into `error`: `ct-bone` for `bone`. clap compares whole names only.
+fn suggest_preset(error: &mut clap::Error) {
+    let text = |kind| match error.get(kind) {
+        Some(ContextValue::String(text)) => Some(text.as_str()),
+        _ => None,
+    };
+    let is_preset = match error.get(ContextKind::ValidValue) {
+        Some(ContextValue::Strings(names)) => names.iter().any(|name| name == presets()[0].name),
+        _ => false,
+    };
+    let near = text(ContextKind::InvalidValue).and_then(PresetInfo::nearest);
+    if let (true, ErrorKind::InvalidValue) = (is_preset, error.kind()) {
+        let near = near.map_or(ContextValue::None, |near| {
+            ContextValue::String(near.to_owned())
+        });
+        error.insert(ContextKind::SuggestedValue, near);
     }
 }
 
@@ -240,7 +270,7 @@ pub struct SceneShowFlags {
 pub struct PresetsFlags {
     /// Preset to print
     #[arg(hide_possible_values = true, conflicts_with = "json",
-          value_parser = PossibleValuesParser::new(presets().iter().map(|preset| preset.name)))]
+          value_parser = PossibleValuesParser::new(presets().iter().map(|preset| draw::with_gray(preset.name))))]
     pub name: Option<String>,
 
     /// Print all presets as JSON

@@ -48,6 +48,9 @@ fn of_picture(error: &Error) -> Option<String> {
 pub fn of_note(note: &Note) -> Option<&'static str> {
     match note {
         Note::GraphEvaluated | Note::FunctionEvaluated { .. } => Some("--backend gpu is faster"),
+        Note::UntoldPlaces { .. } => {
+            Some("or name the volume behind the picture, and labels by --labels")
+        }
         Note::SoftwareAdapter { .. } => Some("--backend cpu is faster"),
         _ => None,
     }

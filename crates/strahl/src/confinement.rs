@@ -14,6 +14,8 @@ pub struct Confinement {
     /// As it was named, and as it is behind links; both whole.
     named: PathBuf,
     real: PathBuf,
+    /// Whole paths that may be read although they lie elsewhere.
+    also: Vec<PathBuf>,
 }
 
 impl Confinement {
@@ -34,7 +36,24 @@ impl Confinement {
         Ok(Confinement {
             named: plain(folder).map_err(fail)?,
             real,
+            also: Vec::new(),
         })
+    }
+
+    /// The same with one more file or folder that may be read wherever it lies, together with what its reader needs
+    /// beside it: somebody has named it who is not the scene.
+    ///
+    /// # Errors
+    /// The path is empty.
+    pub fn with_file(mut self, path: &Path) -> Result<Confinement, Error> {
+        let whole = plain(path).map_err(|error| Error::path(path, error))?;
+        self.also.push(whole);
+        Ok(self)
+    }
+
+    /// Whether `path` is one of those that may lie anywhere.
+    pub(crate) fn allows_anywhere(&self, path: &Path) -> bool {
+        plain(path).is_ok_and(|whole| self.also.contains(&whole))
     }
 
     /// Whether the file or folder `path` lies inside. Of what does not, nothing is told, not even whether it is there.
@@ -44,6 +63,9 @@ impl Confinement {
             folder: self.named.clone(),
         };
         let whole = plain(path).map_err(|_| outside())?;
+        if self.also.contains(&whole) {
+            return Ok(());
+        }
         if !whole.starts_with(&self.named) && !whole.starts_with(&self.real) {
             return Err(outside());
         }
@@ -129,6 +151,24 @@ mod tests {
         }
         assert!(Confinement::to(&outside.join("b")).is_err());
         assert!(Confinement::to(&outside.join("none")).is_err());
+    }
+
+    #[test]
+    fn files_that_are_named_may_lie_anywhere_and_their_neighbors_may_not() {
+        let folder = tempfile::tempdir().unwrap();
+        let (inside, outside) = (folder.path().join("in"), folder.path().join("out"));
+        fs::create_dir_all(&inside).unwrap();
+        fs::create_dir_all(&outside).unwrap();
+        let confined = Confinement::to(&inside).unwrap();
+        let confined = confined.with_file(&outside.join("../out/a")).unwrap();
+        assert!(confined.check(&outside.join("a")).is_ok());
+        assert!(confined.allows_anywhere(&inside.join("../out/a")));
+        for path in ["b", "a.json", "a/b", "."] {
+            let path = outside.join(path);
+            assert!(confined.check(&path).is_err(), "{}", path.display());
+            assert!(!confined.allows_anywhere(&path));
+        }
+        assert!(confined.with_file(Path::new("")).is_err());
     }
 
     #[cfg(unix)]

@@ -26,6 +26,11 @@ pub enum Note {
         /// Which one, such as `the object "liver"`.
         object: String,
     },
+    /// The picture file tells only the names of some files of its scene, not where they lie.
+    UntoldPlaces {
+        /// The names.
+        files: Vec<String>,
+    },
     /// The picture shows nothing but its background.
     Empty {
         /// Possible reasons; empty if none is known.
@@ -53,6 +58,17 @@ impl fmt::Display for Note {
                 write!(
                     f,
                     "the clips leave nothing of {object}; check the places, `keep` and `objects` of `clips`"
+                )
+            }
+            Note::UntoldPlaces { files } => {
+                let (lie, them) = match files.len() {
+                    1 => ("lies", "it"),
+                    _ => ("lie", "them"),
+                };
+                write!(
+                    f,
+                    "the picture does not tell where {} {lie}, as that would take an absolute path; to draw it again, put {them} beside the picture",
+                    files.join(", ")
                 )
             }
             Note::Empty { why } => {

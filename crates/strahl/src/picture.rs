@@ -107,6 +107,16 @@ impl Recipe {
     }
 }
 
+/// Whether the file at `path` is a PNG that ends before its last chunk.
+pub(crate) fn is_cut_off(path: &Path) -> Result<bool, Error> {
+    let fail = |source| Error::path(path, source);
+    let mut file = BufReader::new(open_regular(path).map_err(fail)?);
+    let mut start = Vec::new();
+    let read = (&mut file).take(8).read_to_end(&mut start);
+    read.map_err(fail)?;
+    Ok(png::is_png(&start) && !png::is_whole(file).map_err(fail)?)
+}
+
 /// Writes `image` to `out`, which should be buffered. `display` matters for PNG only.
 ///
 /// `depth_mm` is the depth of each pixel, measured from the start of its ray, row by row from
@@ -354,6 +364,23 @@ mod tests {
         }
         let damaged = &written(&sample(), Encoding::Png8, None)[..20];
         assert!(Recipe::of(BufReader::new(Cursor::new(damaged))).is_err());
+    }
+
+    #[test]
+    fn a_png_that_is_cut_off_is_told_from_a_whole_one() {
+        let whole = written(&sample(), Encoding::Png8, Some(&Recipe::new("{}")));
+        let is_whole = |bytes: &[u8]| png::is_whole(Cursor::new(bytes)).unwrap();
+        assert!(is_whole(&whole));
+        for length in 8..whole.len() {
+            assert!(!is_whole(&whole[..length]), "{length}");
+        }
+        // Something behind the end, as some programs leave it.
+        assert!(is_whole(&[&whole[..], b"more"].concat()));
+        // Chunks that claim more than there is, and more chunks than any picture has.
+        let claims = [&whole[..8], &[0xFF; 4], b"IDAT"].concat();
+        assert!(!is_whole(&claims));
+        let chunk = [0, 0, 0, 0, b't', b'E', b'X', b't', 0, 0, 0, 0];
+        assert!(!is_whole(&[&whole[..8], &chunk.repeat(200_000)].concat()));
     }
 
     #[test]

@@ -8,7 +8,7 @@ use crate::note::Note;
 use crate::picture::{CarriedFiles, MadeFrom, SOFTWARE};
 use crate::scene_data::{OwnVolume, SceneData};
 use crate::scene_file::{
-    SceneFile, anonymous, anonymous_made_from, made_from_told_from, told_from,
+    SceneFile, anonymous, anonymous_made_from, made_from_told_from, names_told_from, told_from,
 };
 use crate::scene_graph::SceneGraph;
 use crate::session::Session;
@@ -286,6 +286,17 @@ impl<'a> Render<'a> {
         self
     }
 
+    /// Lets a confined scene read the file or folder `path` wherever it lies, and what its reader needs beside it.
+    ///
+    /// # Errors
+    /// The path is empty.
+    pub fn allowing(mut self, path: &Path) -> Result<Render<'a>, Error> {
+        if let Some(confinement) = self.confinement.take() {
+            self.confinement = Some(confinement.with_file(path)?);
+        }
+        Ok(self)
+    }
+
     /// Draws in stages, from a coarse picture to the finished one. `show` gets each stage with
     /// the settings for a file. The last stage has the same bytes as a picture drawn at once.
     /// Only the CPU renderer ([`strahl_cpu::Renderer::refine`]) supports stages; others refuse.
@@ -483,7 +494,8 @@ impl<'a> Render<'a> {
     pub fn save(&self, path: impl AsRef<Path>) -> Result<Picture, Error> {
         let encoding = Encoding::for_path(path.as_ref(), None)?;
         let output = Output::create(path.as_ref())?;
-        let picture = self.picture()?;
+        let mut picture = self.picture()?;
+        picture.notes.extend(picture.untold_places(output.folder()));
         picture.write(encoding, output)?;
         Ok(picture)
     }
@@ -634,6 +646,13 @@ pub enum Told {
 }
 
 impl Picture {
+    /// A note if a picture in `folder` tells only the names of files of its scene, because they lie on another branch of
+    /// the file system: whoever draws it again does not find them.
+    pub fn untold_places(&self, folder: &Path) -> Option<Note> {
+        let files = names_told_from(folder, &self.scene, &self.made_from.files);
+        (!files.is_empty()).then_some(Note::UntoldPlaces { files })
+    }
+
     /// Writes a file with the picture and its scene, as [`Told::Scene`] has it.
     ///
     /// # Errors

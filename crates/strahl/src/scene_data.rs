@@ -41,6 +41,16 @@ struct Reading<'r> {
     control: &'r Control,
 }
 
+impl<'r> Reading<'r> {
+    /// The same for the file or folder `path`, whose reader may look around if somebody else than the scene named it.
+    fn of(self, path: &Path) -> Reading<'r> {
+        Reading {
+            within: self.within.filter(|within| !within.allows_anywhere(path)),
+            ..self
+        }
+    }
+}
+
 /// The data of a scene.
 pub(crate) struct SceneData {
     /// The scene's own volume, then those of its objects, at the level that is drawn.
@@ -190,6 +200,8 @@ impl SceneData {
             session, control, ..
         } = reading;
         if let Some(path) = path {
+            // The table has been checked with all paths of the scene.
+            let reading = reading.of(Path::new(&path));
             let read = self.read_labels(reading, &path, source.table.as_deref())?;
             self.labels = Some(read.value.0.clone());
             self.held.push(read);

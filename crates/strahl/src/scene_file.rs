@@ -1,8 +1,10 @@
 //! Scenes on disk: JSON files, and pictures that contain their scene.
 
 use crate::confinement::{Confinement, open_regular};
-use crate::picture::{CarriedFiles, MadeFrom, SOFTWARE};
+use crate::picture::{CarriedFiles, MadeFrom, SOFTWARE, is_cut_off};
 use crate::{Error, Recipe, scene_graph};
+use std::cell::RefCell;
+use std::collections::BTreeSet;
 use std::fs;
 use std::io::Read;
 use std::path::{Component, Path, PathBuf};
@@ -20,6 +22,8 @@ pub struct SceneFile {
     pub carried: CarriedFiles,
     /// The program that made the picture, if the scene comes from one.
     pub software: Option<String>,
+    /// Whether the scene comes from a PNG file that ends before its last pixel. The scene is whole.
+    pub is_cut: bool,
     /// Where the scene may read, if not everywhere.
     pub confinement: Option<Confinement>,
 }
@@ -52,9 +56,10 @@ impl SceneFile {
         if fs::metadata(path).map_err(fail)?.is_dir() {
             return Ok(None);
         }
-        let mut made_from = None;
+        let (mut made_from, mut is_cut) = (None, false);
         let (text, software) = if let Some(recipe) = recipe(path)? {
             made_from = recipe.made_from();
+            is_cut = is_cut_off(path)?;
             (recipe.scene, Some(recipe.software))
         } else {
             let mut file = open_regular(path).map_err(fail)?;
@@ -120,6 +125,7 @@ impl SceneFile {
             scene,
             carried,
             software,
+            is_cut,
             confinement,
         }))
     }
@@ -216,6 +222,20 @@ fn see_from(folder: &Path) -> impl Fn(&mut String) {
 /// The same for a picture in `folder`, which may go anywhere: a path that would be whole becomes the name of its file.
 pub(crate) fn told_from(folder: &Path, scene: &Scene) -> Scene {
     with_paths(scene, tell_from(folder))
+}
+
+/// The files of which [`told_from`] tells only the name, and whose content is not `carried`.
+pub(crate) fn names_told_from(folder: &Path, scene: &Scene, carried: &CarriedFiles) -> Vec<String> {
+    let see = see_from(folder);
+    let names = RefCell::new(BTreeSet::new());
+    with_paths(scene, |path| {
+        let mut seen = path.clone();
+        see(&mut seen);
+        if Path::new(&seen).is_absolute() && !carried.has(path) {
+            names.borrow_mut().insert(last_name(path));
+        }
+    });
+    names.into_inner().into_iter().collect()
 }
 
 /// What a scene was made from, for a picture in `folder`, as [`told_from`] does it.

@@ -13,11 +13,12 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
-use strahl::scene::VolumeSource;
 use strahl::scene::plan::Display;
+use strahl::scene::{VolumeSource, WithoutEffect};
 use strahl::volume::Phantom;
 use strahl::{
-    Confinement, DrawnBy, Encoding, Image, Output, Picture, Render, Scene, SceneFile, Told, cpu,
+    Confinement, DrawnBy, Encoding, Image, Note, Output, Picture, Render, Scene, SceneFile, Told,
+    cpu,
 };
 
 pub fn render(flags: &RenderFlags, quiet: bool) -> Result<()> {
@@ -74,6 +75,7 @@ pub fn subject_within(
                     quiet,
                 );
             }
+            note_cut(&file, quiet);
             if others.is_empty() {
                 source = file.scene.volume.clone().unwrap_or_default();
             }
@@ -83,11 +85,45 @@ pub fn subject_within(
                 _ => render.with_files(others.to_vec()),
             }
         }
-        None => Render::files(inputs.to_vec()),
+        None => {
+            refuse_misplaced_pictures(first, others)?;
+            Render::files(inputs.to_vec())
+        }
     };
     let source = args::read_over(read, source)?;
     let said = source != VolumeSource::default();
     Ok(render.with(|scene| scene.volume = said.then_some(source)))
+}
+
+/// Says that a picture is cut off whose scene is used.
+pub fn note_cut(file: &SceneFile, quiet: bool) {
+    if file.is_cut {
+        let path = file.path.display();
+        let note = format!("{path} is cut off: its last pixels are missing; its scene is whole");
+        print::note(&note, quiet);
+    }
+}
+
+/// Refuses pictures behind a volume that is no picture. Several files are slices, so they would be drawn in place of
+/// the volume.
+fn refuse_misplaced_pictures(first: &Path, others: &[PathBuf]) -> Result<()> {
+    let ending = first.extension().unwrap_or_default().to_ascii_lowercase();
+    let of_slices = ["png", "exr", "tif", "tiff", "bmp", "jpg", "jpeg"];
+    if of_slices.iter().any(|known| ending == *known) {
+        return Ok(());
+    }
+    let Some(picture) = others.iter().find(|path| crate::flags::is_picture(path)) else {
+        return Ok(());
+    };
+    let (first, name) = (first.display(), picture.display());
+    match SceneFile::open(picture) {
+        Ok(Some(_)) => bail!(
+            "{name} stands behind {first}: it is a picture with a scene; to draw this scene with this volume, write `{name} {first}`; to write the picture, `-o {name}`"
+        ),
+        _ => bail!(
+            "{name} stands behind {first}: several files are slices of one volume, and {first} is no picture; to write the picture, use `-o {name}`"
+        ),
+    }
 }
 
 fn draw(
@@ -116,6 +152,7 @@ fn draw(
     }
     // Before the long work, so that a place that cannot be written is found first.
     let output = Output::create(path)?;
+    let folder_of_picture = output.folder().to_owned();
     let stages = Stages::new(quiet);
     let folder = file.stages.clone();
     if let Some(folder) = &folder {
@@ -163,11 +200,12 @@ fn draw(
     picture.write_telling(told, encoding, output)?;
     drop(writing);
     let write_seconds = write_start.elapsed().as_secs_f64();
-    for note in &picture.notes {
-        match remedy::of_note(note) {
-            Some(remedy) => print::note(&format!("{note}; {remedy}"), quiet),
-            None => print::note(&note.to_string(), quiet),
-        }
+    let untold = match told {
+        Told::Scene => picture.untold_places(&folder_of_picture),
+        _ => None,
+    };
+    for note in notes(picture.notes.iter().chain(&untold)) {
+        print::note(&note, quiet);
     }
     if sets_display && !matches!(encoding, Encoding::Png8 | Encoding::Png16) {
         print::note(
@@ -188,6 +226,29 @@ fn draw(
         print::out(&(serde_json::to_string_pretty(&stats)? + "\n"))?;
     }
     Ok(())
+}
+
+/// What to print of `notes`, with what to do. Keys that change nothing for the same reason share one.
+fn notes<'n>(notes: impl Iterator<Item = &'n Note>) -> Vec<String> {
+    let mut texts = Vec::new();
+    // Where each reason stands, and which keys it has.
+    let mut reasons: Vec<(usize, &str, Vec<&str>)> = Vec::new();
+    for note in notes {
+        if let Note::WithoutEffect(WithoutEffect { key, why }) = note {
+            if let Some((at, _, keys)) = reasons.iter_mut().find(|reason| reason.1 == why) {
+                keys.push(key);
+                let (last, others) = (key, keys[..keys.len() - 1].join(", "));
+                texts[*at] = format!("{others} and {last} change nothing: {why}");
+                continue;
+            }
+            reasons.push((texts.len(), why, vec![key]));
+        }
+        texts.push(match remedy::of_note(note) {
+            Some(remedy) => format!("{note}; {remedy}"),
+            None => note.to_string(),
+        });
+    }
+    texts
 }
 
 /// Ends the program after so many seconds, wherever it is then.
@@ -215,7 +276,12 @@ fn write_stage(picture: &Image, display: &Display, path: &Path) -> Result<(), st
 pub fn over<'a>(subject: Render<'a>, flags: &DrawFlags) -> Result<Render<'a>> {
     let mut result = Ok(());
     let subject = subject.with(|scene| result = args::draw_over(flags, scene));
-    result.map(|()| subject)
+    result?;
+    // What was typed may lie anywhere, whatever the scene may read.
+    Ok(match &flags.labels {
+        Some(labels) => subject.allowing(labels)?,
+        None => subject,
+    })
 }
 
 /// What `--stats json` prints; `docs/cli.md` explains the fields.
@@ -267,4 +333,36 @@ fn stats(path: &Path, picture: &Picture, write_seconds: f64, total_seconds: f64)
     }
     all["seconds"] = seconds;
     all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_without_effect_for_one_reason_share_a_note() {
+        let of = |key: &str, why: &str| {
+            Note::WithoutEffect(WithoutEffect {
+                key: key.into(),
+                why: why.into(),
+            })
+        };
+        let all = [
+            of("a", "of one"),
+            Note::Data("data".into()),
+            of("b", "of two"),
+            of("c", "of one"),
+            of("d", "of one"),
+        ];
+        let expected = [
+            "a, c and d change nothing: of one",
+            "data",
+            "b changes nothing: of two",
+        ];
+        assert_eq!(notes(all.iter()), expected);
+        assert_eq!(
+            notes([&all[0], &all[3]].into_iter()),
+            ["a and c change nothing: of one"]
+        );
+    }
 }

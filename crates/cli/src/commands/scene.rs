@@ -43,6 +43,7 @@ fn check_one(path: &Path, quiet: bool) -> Result<&'static str> {
             path.display()
         );
     };
+    draw::note_cut(&file, quiet);
     if file.scene.volume.is_none() {
         return Ok("every key is known; it names no volume, so only its keys were checked");
     }

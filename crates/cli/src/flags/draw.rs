@@ -1,7 +1,7 @@
 //! Flags of commands that draw.
 
 use super::read::ReadFlags;
-use clap::builder::PossibleValuesParser;
+use clap::builder::{PossibleValue, PossibleValuesParser};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use strahl::scene::{DebugView, ShadingModel, ToneMap};
@@ -79,6 +79,16 @@ const DEMO_EXAMPLES: &str = "Examples:
   strahl demo --preset ct-soft-tissue --view left -o head.png
   strahl demo hydrogen --azimuth 40";
 
+/// A name that may be written in American English, too.
+pub(super) fn with_gray(name: &'static str) -> PossibleValue {
+    let value = PossibleValue::new(name);
+    match name {
+        "grey" => value.alias("gray"),
+        "inverted-grey" => value.alias("inverted-gray"),
+        _ => value,
+    }
+}
+
 /// What is drawn and how; each flag overrides the scene.
 #[derive(Debug, Default, Args)]
 #[command(next_help_heading = "Look")]
@@ -87,7 +97,7 @@ pub struct DrawFlags {
     ///
     /// By default, the scene chooses the preset. Without a scene, modality and values choose it.
     #[arg(long, value_name = "NAME", hide_possible_values = true,
-          value_parser = PossibleValuesParser::new(presets().iter().map(|preset| preset.name)))]
+          value_parser = PossibleValuesParser::new(presets().iter().map(|preset| with_gray(preset.name))))]
     pub preset: Option<String>,
 
     /// Draw by this graph, or apply these edits to the standard graph (see `strahl graph`)
@@ -118,7 +128,7 @@ pub struct DrawFlags {
 
     /// Color map over the value window
     #[arg(long, value_name = "MAP",
-          value_parser = PossibleValuesParser::new(ColorMap::ALL.map(ColorMap::name)), hide_short_help = true)]
+          value_parser = PossibleValuesParser::new(ColorMap::ALL.map(|map| with_gray(map.name()))), hide_short_help = true)]
     pub color_map: Option<String>,
 
     /// Opacity at the low and the high end of the value window, each 0 to 1
@@ -136,6 +146,8 @@ pub struct DrawFlags {
     pub shade: Option<String>,
 
     /// Draw the segments of this label volume, each in its own color
+    ///
+    /// It may lie anywhere, with its label table beside it, whatever a scene may read.
     #[arg(long, value_name = "FILE", help_heading = "Segments")]
     pub labels: Option<PathBuf>,
 
@@ -413,8 +425,8 @@ pub struct PictureFlags {
 #[derive(Debug, Default, Args)]
 #[command(next_help_heading = "Limits")]
 pub struct TrustFlags {
-    /// Let the scene read nothing outside of this folder; the scene of a picture reads only beside the picture, if not
-    /// said
+    /// Let the scene read nothing outside of this folder but what the command line names; the scene of a picture reads
+    /// only beside the picture, if not said
     #[arg(long, value_name = "FOLDER", hide_short_help = true)]
     pub confine: Option<PathBuf>,
 }

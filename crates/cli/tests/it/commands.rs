@@ -106,6 +106,88 @@ fn a_picture_without_o_is_suggested_as_output() {
 }
 
 #[test]
+fn a_picture_behind_a_volume_is_no_slice_of_it() {
+    let folder = folder_with_shells();
+    let path = folder.path();
+    run_well(
+        path,
+        &["render", "shells.nrrd", "-o", "pic.png", "--size", "16x16"],
+    );
+    let drawn = std::fs::read(path.join("pic.png")).unwrap();
+    let run_both = |more: &[&str]| {
+        let run = run(
+            path,
+            &[&["render", "shells.nrrd", "pic.png"], more].concat(),
+        );
+        assert_eq!(std::fs::read(path.join("pic.png")).unwrap(), drawn);
+        run
+    };
+    let without = run_both(&[]);
+    assert_eq!(without.code, Some(2));
+    for part in ["did you mean '-o pic.png'?", "'pic.png shells.nrrd -o …'"] {
+        assert!(without.err.contains(part), "{}", without.err);
+    }
+    let with = run_both(&["-o", "out.png"]);
+    assert_eq!(with.code, Some(1));
+    for part in [
+        "a picture with a scene",
+        "`pic.png shells.nrrd`",
+        "`-o pic.png`",
+    ] {
+        assert!(with.err.contains(part), "{}", with.err);
+    }
+    // Without a scene it is a picture all the same.
+    let args = ["render", "pic.png", "-o", "plain.png", "--no-recipe"];
+    run_well(path, &args);
+    let plain = run(
+        path,
+        &["render", "shells.nrrd", "plain.png", "-o", "out.png"],
+    );
+    assert!(
+        plain.err.contains("shells.nrrd is no picture"),
+        "{}",
+        plain.err
+    );
+    assert!(!path.join("out.png").exists());
+}
+
+#[test]
+fn a_preset_is_found_by_a_part_of_its_name() {
+    let folder = folder_with_shells();
+    let path = folder.path();
+    for args in [
+        &["render", "shells.nrrd", "-o", "a.png", "--preset", "bone"][..],
+        &["presets", "bone"],
+    ] {
+        let run = run(path, args);
+        assert_eq!(run.code, Some(2));
+        let tip = "a similar value exists: 'ct-bone'";
+        assert!(run.err.contains(tip), "{}", run.err);
+    }
+    // Both spellings of gray are one look. (The scene in the picture has the word that was typed.)
+    let pixels = |name: &str, flags: [&str; 2]| {
+        let args = ["render", "shells.nrrd", "--size", "16x16", "-o", name];
+        run_well(path, &[&args[..], &flags].concat());
+        let bytes = std::fs::read(path.join(name)).unwrap();
+        let at = bytes.windows(4).position(|kind| kind == b"IDAT").unwrap();
+        bytes[at..].to_vec()
+    };
+    for (flag, gray, grey) in [
+        ("--preset", "gray", "grey"),
+        ("--color-map", "inverted-gray", "inverted-grey"),
+    ] {
+        assert!(pixels("a.png", [flag, gray]) == pixels("b.png", [flag, grey]));
+    }
+    std::fs::write(
+        path.join("gray.json"),
+        r#"{ "volume": { "path": "shells.nrrd" }, "preset": "gray", "size": [8, 8] }"#,
+    )
+    .unwrap();
+    let shown = run_well(path, &["scene", "show", "gray.json"]);
+    assert_eq!(json(&shown)["preset"], "grey");
+}
+
+#[test]
 fn manual_pages_are_written_for_every_command() {
     let folder = tempfile::tempdir().unwrap();
     run_well(folder.path(), &["man", "pages"]);

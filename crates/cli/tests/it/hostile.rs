@@ -230,6 +230,59 @@ fn a_run_ends_at_its_limit_wherever_it_is() {
     );
 }
 
+/// Labels on the grid of the shells: 1 in one half, 2 in the other.
+fn halves() -> strahl::Volume {
+    let shells = shells();
+    let [nx, ny, nz] = shells.grid().dims();
+    let id = |i: usize| if i % nx < nx / 2 { 1 } else { 2 };
+    let ids = strahl::volume::Samples::U8((0..nx * ny * nz).map(id).collect());
+    let rescale = strahl::volume::Rescale::IDENTITY;
+    let metadata = strahl::volume::Metadata::default();
+    strahl::Volume::new(*shells.grid(), ids, rescale, metadata).unwrap()
+}
+
+#[test]
+fn a_picture_that_is_cut_off_is_said_to_be() {
+    let folder = folder_with_shells();
+    let path = folder.path();
+    run_well(
+        path,
+        &[
+            "render",
+            "shells.nrrd",
+            "-o",
+            "whole.png",
+            "--size",
+            "200x200",
+        ],
+    );
+    let whole = fs::read(path.join("whole.png")).unwrap();
+    let pixels = whole.windows(4).position(|kind| kind == b"IDAT").unwrap();
+    fs::write(path.join("cut.png"), &whole[..pixels + 100]).unwrap();
+    let again = |name: &str| {
+        let run = run(path, &["render", name, "-o", "again.png"]);
+        assert_eq!(run.code, Some(0), "{}", run.err);
+        assert!(fs::read(path.join("again.png")).unwrap() == whole);
+        run.err
+    };
+    let note = "cut.png is cut off: its last pixels are missing; its scene is whole";
+    assert_eq!(again("cut.png").matches(note).count(), 1);
+    assert!(!again("whole.png").contains("cut off"));
+    let check = run(path, &["scene", "check", "cut.png"]);
+    assert!(
+        check.err.contains(note) && check.out.contains("can be drawn"),
+        "{}",
+        check.err
+    );
+    // Cut within the scene, it is no scene.
+    fs::write(path.join("cut.png"), &whole[..200]).unwrap();
+    refused(
+        path,
+        &["render", "cut.png", "-o", "again.png"],
+        &["cut.png", "cut off"],
+    );
+}
+
 #[test]
 fn the_scene_of_a_picture_reads_beside_it_and_nowhere_else() {
     let folder = folder_with_shells();
@@ -255,6 +308,41 @@ fn the_scene_of_a_picture_reads_beside_it_and_nowhere_else() {
             "-o",
             "out.png",
         ],
+    );
+
+    // Also labels, with the table beside them; what else lies there is not read.
+    let elsewhere = tempfile::tempdir().unwrap();
+    let labels = elsewhere.path().join("labels.nrrd");
+    save(&halves(), elsewhere.path(), "labels.nrrd");
+    fs::write(
+        elsewhere.path().join("labels.csv"),
+        "id,name\n1,west\n2,east\n",
+    )
+    .unwrap();
+    save(&halves(), elsewhere.path(), "other.nrrd");
+    let labels = labels.to_str().unwrap();
+    let named = ["--labels", labels, "--only", "east"];
+    let run = run(
+        path,
+        &[&["render", "beside.png", "-o", "out.png"], &named[..]].concat(),
+    );
+    assert_eq!(run.code, Some(0), "{}", run.err);
+    assert!(!run.err.contains("no segment"), "{}", run.err);
+    let other = elsewhere.path().join("other.nrrd");
+    let mask = format!(
+        r#"{{ "volume": {{ "path": "shells.nrrd" }}, "clips": [{{ "mask": {{ "path": {other:?} }} }}] }}"#
+    );
+    fs::write(path.join("mask.png"), scene_in_picture(&mask)).unwrap();
+    let args = [&["render", "mask.png", "-o", "out.png"], &named[..2]].concat();
+    refused(path, &args, &["other.nrrd: lies outside of"]);
+    let table = format!(
+        r#"{{ "volume": {{ "path": "shells.nrrd" }}, "labels": {{ "table": {other:?} }} }}"#
+    );
+    fs::write(path.join("table.png"), scene_in_picture(&table)).unwrap();
+    refused(
+        path,
+        &["render", "table.png", "-o", "out.png"],
+        &["lies outside of"],
     );
 
     // Of what lies elsewhere nothing is told, whether it is there or not.
@@ -403,6 +491,34 @@ fn pictures_tell_no_whole_paths_and_as_little_as_is_wanted() {
             told.contains("\"far.nrrd\"") && !told.contains("/dev"),
             "{told}"
         );
+        // What is not told is said, unless nothing was to be told.
+        let far = elsewhere.path().join("far.nrrd");
+        let args = [
+            "render",
+            far.to_str().unwrap(),
+            "-o",
+            "out.png",
+            "--size",
+            "16x12",
+        ];
+        let said = |more: &[&str]| run(path, &[&args[..], more].concat()).err;
+        let note = "the picture does not tell where far.nrrd lies";
+        assert_eq!(said(&[]).matches(note).count(), 1, "{}", said(&[]));
+        assert!(said(&[]).contains("name the volume behind the picture"));
+        for more in [&["--anonymous"][..], &["--no-recipe"]] {
+            assert!(!said(more).contains("does not tell"), "{}", said(more));
+        }
+        run_well(path, &args);
+        let again = [
+            "render",
+            "out.png",
+            far.to_str().unwrap(),
+            "-o",
+            "again.png",
+        ];
+        run_well(path, &again);
+        let bytes = |name: &str| fs::read(path.join(name)).unwrap();
+        assert!(bytes("out.png") == bytes("again.png"));
     }
 }
 

@@ -5,7 +5,7 @@ use super::{Recipe, fxaa};
 use crate::Error;
 use png::text_metadata::ITXtChunk;
 use png::{BitDepth, ColorType, Compression, Decoder, Encoder, EncodingError, ScaledFloat};
-use std::io::{BufRead, Seek, Write};
+use std::io::{self, BufRead, Read, Seek, SeekFrom, Write};
 use strahl_scene::plan::{Display, DisplayCurve};
 use strahl_scene::{Image, MOST_SCENE_BYTES};
 
@@ -90,6 +90,39 @@ pub(super) fn write(
     }
     rows.finish().map_err(cannot_write)?;
     writer.finish().map_err(cannot_write)
+}
+
+/// Whether a PNG file goes on to its last chunk. What its chunks hold is not looked at.
+pub(super) fn is_whole(mut file: impl Read + Seek) -> io::Result<bool> {
+    /// No picture has more; whoever writes them wants to be waited for.
+    const MOST_CHUNKS: usize = 100_000;
+    /// The chunk at the end, which is always the same.
+    const END: [u8; 12] = *b"\0\0\0\0IEND\xAE\x42\x60\x82";
+    let length = file.seek(SeekFrom::End(0))?;
+    let mut at = SIGNATURE.len() as u64;
+    // The end alone says enough of files with many chunks.
+    if length >= at + 12 {
+        let mut end = [0; 12];
+        file.seek(SeekFrom::End(-12))?;
+        file.read_exact(&mut end)?;
+        if end == END {
+            return Ok(true);
+        }
+    }
+    for _ in 0..MOST_CHUNKS {
+        if at + 12 > length {
+            return Ok(false);
+        }
+        let mut head = [0; 8];
+        file.seek(SeekFrom::Start(at))?;
+        file.read_exact(&mut head)?;
+        let [a, b, c, d, kind @ ..] = head;
+        at += 12 + u64::from(u32::from_be_bytes([a, b, c, d]));
+        if kind == *b"IEND" {
+            return Ok(at <= length);
+        }
+    }
+    Ok(false)
 }
 
 /// The recipe in a PNG file, if it has one.
