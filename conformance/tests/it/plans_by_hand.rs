@@ -5,13 +5,14 @@ use crate::segments::{any_segments, data};
 use strahl_conformance::device;
 use strahl_evaluate::Evaluator;
 use strahl_scene::plan::{
-    Composite, Curve, Field, MOST_LAYERS, Plan, Reconstruct, Sampling, SegmentLook, Segments,
+    Classify, Composite, Curve, Field, GradientInput, Illustrate, MOST_LAYERS, Plan, Reconstruct,
+    Sampling, SegmentLook, Segments,
 };
 use strahl_volume::{Control, Datasets};
 
 type Change = fn(&mut Plan);
 
-const WHOLE: [(Change, &str); 18] = [
+const WHOLE: [(Change, &str); 20] = [
     (|plan| plan.width = 0, "width is 0; it has to be 1 to 65535"),
     (|plan| plan.height = 65_536, "height is 65536"),
     (|plan| plan.lattice.frames = 0, "lattice.frames is 0"),
@@ -66,6 +67,28 @@ const WHOLE: [(Change, &str); 18] = [
             plan.sampling = Sampling::Integrated;
         },
         "\"integrated\" is for one layer by emission and absorption",
+    ),
+    (
+        |plan| {
+            plan.technique_mut().composite = Composite::Average;
+            plan.technique_mut().illustrate = Illustrate::Halo {
+                width_mm: 1.0,
+                reach_mm: 1.0,
+                strength: 1.0,
+                steps: 1,
+            };
+        },
+        "`illustrate` has to be Plain",
+    ),
+    (
+        |plan| {
+            plan.technique_mut().classify = Classify::GradientTable {
+                low_per_mm: 1.0,
+                high_per_mm: 2.0,
+            };
+            plan.technique_mut().gradient_input = GradientInput::Segment;
+        },
+        "it has to be Value",
     ),
     (
         |plan| {
@@ -157,6 +180,7 @@ fn each_is_refused_by_name() {
     whole.technique_mut().composite = Composite::EmissionAbsorption {
         stop_at_transmittance: 0.0,
     };
+    whole.technique_mut().illustrate = Illustrate::Plain;
     for (change, expected) in WHOLE {
         let mut plan = whole.clone();
         change(&mut plan);
