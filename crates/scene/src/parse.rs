@@ -141,6 +141,10 @@ struct UnknownKey {
 }
 
 /// The scene in `plain`, or its first mistake.
+#[expect(
+    clippy::result_large_err,
+    reason = "a mistake is rare, and made once per scene"
+)]
 fn read(file: &str, plain: &str) -> Result<Scene, Mistake> {
     let mut json = serde_json::Deserializer::from_str(plain);
     let mistake = |path: String, error: serde_json::Error| {

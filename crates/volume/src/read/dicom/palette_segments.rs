@@ -60,7 +60,7 @@ impl Segments<'_> {
         colors: &mut Vec<u16>,
     ) -> Result<(), String> {
         let bytes = if self.are_wide { 2 } else { 1 };
-        if byte % bytes != 0 {
+        if !byte.is_multiple_of(bytes) {
             return Err(format!("an indirect segment names the odd byte {byte}"));
         }
         let mut at = byte / bytes;
