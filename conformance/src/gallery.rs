@@ -209,21 +209,6 @@ const CHOSEN: &[(&str, &str, &str)] = &[
         solid!(r#""functions": { "illustrate": { "module": "depth_cue" } }"#),
     ),
     (
-        "illustrate",
-        "silhouette",
-        solid!(r#""functions": { "illustrate": { "module": "silhouette" } }"#),
-    ),
-    (
-        "illustrate",
-        "contour-lines",
-        solid!(r#""functions": { "illustrate": { "module": "contour_lines" } }"#),
-    ),
-    (
-        "illustrate",
-        "halo",
-        solid!(r#""functions": { "illustrate": { "module": "halo" } }"#),
-    ),
-    (
         "composite",
         "emission-absorption",
         solid!(r#""method": "emission-absorption""#),
@@ -323,7 +308,7 @@ fn plain(function: &Function) -> Option<String> {
         "illuminate" => format!(r#""shading": {{ "model": "{word}" }}"#),
         "reconstruct" => format!(r#""reconstruct": "{word}""#),
         "gradient" => format!(r#""gradient": {{ "method": "{word}" }}"#),
-        "fetch" | "classify" | "shade" | "gradient_input" => {
+        "fetch" | "classify" | "shade" | "illustrate" | "gradient_input" => {
             format!(r#""functions": {{ "{slot}": {{ "module": "{word}" }} }}"#)
         }
         _ => return None,

@@ -82,6 +82,17 @@ const WHOLE: [(Change, &str); 20] = [
     ),
     (
         |plan| {
+            plan.technique_mut().illustrate = Illustrate::Halo {
+                width_mm: 1.0,
+                reach_mm: 1.0,
+                strength: 1.0,
+                steps: 4_000_000_000,
+            };
+        },
+        "steps of a halo is 4000000000; it has to be 1 to 64",
+    ),
+    (
+        |plan| {
             plan.technique_mut().classify = Classify::GradientTable {
                 low_per_mm: 1.0,
                 high_per_mm: 2.0,

@@ -486,15 +486,10 @@ impl<'p, S: Level> Object<'p, S> {
         shaded: Mask<S>,
         last_normal: &mut Vec3s<S>,
     ) -> Surface<S> {
-        let place = Place {
-            gradient,
-            place_mm: || self.place_mm(position),
-            to_eye,
-        };
-        let mut seen = self.shading.look(surface, &place, shaded, last_normal);
+        let mut seen = self.light(surface, &gradient, position, to_eye, shaded, last_normal);
         if self.shading.is_illustrated() {
             let gradient = match self.shading.is_illustrated_by_gradient() {
-                true => (place.gradient)(),
+                true => gradient(),
                 false => [F32s::zero(); 3],
             };
             let places = [position; 2];
@@ -538,15 +533,27 @@ impl<'p, S: Level> Object<'p, S> {
     ) -> Surface<S> {
         vectorized::<S, _>(
             #[inline(always)]
-            || {
-                let place = Place {
-                    gradient: || gradient,
-                    place_mm: || self.place_mm(position),
-                    to_eye,
-                };
-                self.shading.look(surface, &place, shaded, last_normal)
-            },
+            || self.light(surface, || gradient, position, to_eye, shaded, last_normal),
         )
+    }
+
+    /// Slot shade without illustration.
+    #[inline(always)]
+    fn light(
+        &self,
+        surface: Surface<S>,
+        gradient: impl Fn() -> Vec3s<S>,
+        position: Vec3s<S>,
+        to_eye: Vec3s<S>,
+        shaded: Mask<S>,
+        last_normal: &mut Vec3s<S>,
+    ) -> Surface<S> {
+        let place = Place {
+            gradient,
+            place_mm: || self.place_mm(position),
+            to_eye,
+        };
+        self.shading.look(surface, &place, shaded, last_normal)
     }
 
     /// Slot illustrate, where `shaded`: the color of a sample with this gradient, at a position, and a position in the

@@ -2,7 +2,7 @@
 
 use crate::plan::{
     Classify, Composite, Field, GradientInput, Illustrate, Labeled, MOST_EDGE_PIXELS, MOST_FRAMES,
-    MOST_GROUPS, MOST_LAYERS, Plan, PlanImportance, Sampling, Segments,
+    MOST_GROUPS, MOST_LAYERS, Plan, PlanImportance, Sampling, Segments, Technique,
 };
 
 /// That groups of segments are there, and have numbers.
@@ -30,6 +30,54 @@ fn check_groups(labeled: &Labeled) -> Result<(), String> {
     }
 }
 
+/// The most places along a halo, as its function allows.
+const MOST_HALO_STEPS: u32 = 64;
+
+/// That a number lies in 1 to `most`.
+fn within(what: &str, number: u64, most: u64) -> Result<(), String> {
+    match (1..=most).contains(&number) {
+        true => Ok(()),
+        false => Err(format!("{what} is {number}; it has to be 1 to {most}")),
+    }
+}
+
+/// That the parts of a technique go together, and that its table fits.
+fn check_technique(technique: &Technique) -> Result<(), String> {
+    let composite = technique.composite.function();
+    if technique.illustrate != Illustrate::Plain && !composite.has_place {
+        return Err(format!(
+            "a technique has the composite {} and is illustrated; its numbers belong to no place, so `illustrate` has to be Plain",
+            composite.word
+        ));
+    }
+    if let Illustrate::Halo { steps, .. } = technique.illustrate {
+        within("steps of a halo", steps.into(), MOST_HALO_STEPS.into())?;
+    }
+    let reads_gradient = matches!(
+        technique.classify,
+        Classify::GradientTable { .. } | Classify::ValueGradient { .. }
+    );
+    if reads_gradient && technique.gradient_input == GradientInput::Segment {
+        return Err(
+            "a technique classifies by the gradient of the value and has the gradient input Segment; it has to be Value"
+                .to_owned(),
+        );
+    }
+    if let Classify::ValueGradient { columns, rows, .. } = technique.classify {
+        let (of_table, entries) = (
+            technique.table.rows().len(),
+            technique.table.entries().len(),
+        );
+        let fits = columns as usize == entries && of_table == rows as usize * entries;
+        if rows > 0 && !(fits && rows > 1) {
+            return Err(format!(
+                "a technique classifies by {rows} rows of {columns}; its table has {of_table} entries in rows of {entries}"
+            ));
+        }
+    }
+    Ok(())
+}
+
 impl Plan {
     /// What is wrong with this Plan whatever its data is: numbers out of their range, places that are not there, parts that do
     /// not go together. [`resolve`](crate::resolve()) makes no such Plan.
@@ -37,10 +85,6 @@ impl Plan {
     /// # Errors
     /// The first thing that is wrong, and what would be right.
     pub(crate) fn check_itself(&self) -> Result<(), String> {
-        let within = |what: &str, number: u64, most: u64| match (1..=most).contains(&number) {
-            true => Ok(()),
-            false => Err(format!("{what} is {number}; it has to be 1 to {most}")),
-        };
         let most_pixels = u64::from(MOST_EDGE_PIXELS);
         within("width", self.width.into(), most_pixels)?;
         within("height", self.height.into(), most_pixels)?;
@@ -58,37 +102,7 @@ impl Plan {
             ));
         }
         self.check_layers()?;
-        for technique in &self.techniques {
-            let composite = technique.composite.function();
-            if technique.illustrate != Illustrate::Plain && !composite.has_place {
-                return Err(format!(
-                    "a technique has the composite {} and is illustrated; its numbers belong to no place, so `illustrate` has to be Plain",
-                    composite.word
-                ));
-            }
-            let reads_gradient = matches!(
-                technique.classify,
-                Classify::GradientTable { .. } | Classify::ValueGradient { .. }
-            );
-            if reads_gradient && technique.gradient_input == GradientInput::Segment {
-                return Err(
-                    "a technique classifies by the gradient of the value and has the gradient input Segment; it has to be Value"
-                        .to_owned(),
-                );
-            }
-            if let Classify::ValueGradient { columns, rows, .. } = technique.classify {
-                let (of_table, entries) = (
-                    technique.table.rows().len(),
-                    technique.table.entries().len(),
-                );
-                let fits = columns as usize == entries && of_table == rows as usize * entries;
-                if rows > 0 && !(fits && rows > 1) {
-                    return Err(format!(
-                        "a technique classifies by {rows} rows of {columns}; its table has {of_table} entries in rows of {entries}"
-                    ));
-                }
-            }
-        }
+        self.techniques.iter().try_for_each(check_technique)?;
         if let Some(PlanImportance {
             low,
             high,

@@ -24,13 +24,24 @@ fn give(functions: &Functions, name: &str, parameter: &mut f32, value: f64) {
     }
 }
 
+/// Fits the illustration of all techniques of `plan` to its voxels and its camera, and to a gradient magnitude that counts
+/// as steep.
+pub(crate) fn fit(plan: &mut Plan, functions: &Functions, steep_per_mm: f64) {
+    let depths = depths_mm(plan);
+    let spacings = plan.drawn_fields().map(|field| field.grid.min_spacing_mm());
+    let voxel_mm = spacings.fold(f64::INFINITY, f64::min);
+    for technique in &mut plan.techniques {
+        // The function has no effect then, which is noted.
+        if !technique.composite.function().has_place {
+            technique.illustrate = Illustrate::Plain;
+        }
+        fit_to_data(technique, functions, voxel_mm, steep_per_mm);
+        fit_to_depths(technique, functions, depths);
+    }
+}
+
 /// Fits the illustration of `technique` to voxels of this size and to a gradient magnitude that counts as steep.
-pub(crate) fn fit_to_data(
-    technique: &mut Technique,
-    functions: &Functions,
-    voxel_mm: f64,
-    steep_per_mm: f64,
-) {
+fn fit_to_data(technique: &mut Technique, functions: &Functions, voxel_mm: f64, steep_per_mm: f64) {
     match &mut technique.illustrate {
         Illustrate::Silhouette { full_per_mm, .. } => {
             give(functions, "full_per_mm", full_per_mm, steep_per_mm);

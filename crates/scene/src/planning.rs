@@ -128,18 +128,7 @@ fn plan(settled: &SettledScene, headers: &Headers, checker: &mut Checker) -> Opt
     if let Some(importance) = &settled.importance {
         plan.importance = importance.plan(clips.masks, &plan, headers, checker);
     }
-    let depths = illustration::depths_mm(&plan);
-    let spacings = plan.drawn_fields().map(|field| field.grid.min_spacing_mm());
-    let voxel_mm = spacings.fold(f64::INFINITY, f64::min);
-    for technique in &mut plan.techniques {
-        let (functions, steep) = (&settled.functions, settled.shading.full_per_mm);
-        illustration::fit_to_data(technique, functions, voxel_mm, steep);
-        illustration::fit_to_depths(technique, functions, depths);
-        // The function has no effect then, which is noted.
-        if !technique.composite.function().has_place {
-            technique.illustrate = Illustrate::Plain;
-        }
-    }
+    illustration::fit(&mut plan, &settled.functions, settled.shading.full_per_mm);
     place_depths(&mut plan);
     check_together(&plan, checker);
     Some(plan)

@@ -282,7 +282,7 @@ pub(crate) fn check_together(plan: &plan::Plan, checker: &mut Checker) {
             if plan.technique().illustrate != Illustrate::Plain {
                 refuse(
                     "with a function for the slot illustrate: its color changes with the place, which nothing bounds",
-                    "no such function, or rule \"regular\"",
+                    "no such function",
                 );
             }
         }

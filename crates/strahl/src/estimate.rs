@@ -1,7 +1,9 @@
 //! How much memory and time a picture needs, about, told before it is drawn.
 
 use std::fmt;
-use strahl_scene::plan::{Classify, Field, Illustrate, Plan, Ray, Reconstruct, Sampling, Shade};
+use strahl_scene::plan::{
+    Classify, Field, Illustrate, Plan, Ray, Reconstruct, Sampling, Shade, Technique,
+};
 use strahl_volume::{Datasets, cores};
 
 /// What drawing needs, about.
@@ -103,26 +105,39 @@ fn chord_mm(ray: &Ray, field: &Field) -> f64 {
     }
 }
 
-/// What a sample of a layer costs, in plain ones.
+/// What a sample of a layer costs, in plain ones: with segments, one of the costliest technique.
 fn cost(plan: &Plan, layer: usize, field: &Field) -> f64 {
-    let technique = plan.technique_of(layer);
+    let of_sample = match plan.labeled() {
+        Some(_) => plan.techniques.iter().map(cost_of_look).fold(1.0, f64::max),
+        None => cost_of_look(plan.technique_of(layer)),
+    };
     let kernel = match field.reconstruct {
         Reconstruct::Nearest | Reconstruct::Trilinear => 1.0,
         _ => 6.0,
     };
-    let has_gradient = matches!(technique.shade, Shade::Lit { .. })
-        || technique.illustrate != Illustrate::Plain
-        || matches!(
-            technique.classify,
-            Classify::GradientTable { .. } | Classify::ValueGradient { .. }
-        );
-    let gradient = if has_gradient { 3.0 } else { 1.0 };
     let rule = if plan.sampling == Sampling::Regular {
         1.0
     } else {
         2.0
     };
-    kernel * gradient * rule
+    kernel * of_sample * rule
+}
+
+/// What a sample costs for the look that a technique gives to it, in plain ones.
+fn cost_of_look(technique: &Technique) -> f64 {
+    let has_gradient = matches!(technique.shade, Shade::Lit { .. })
+        || matches!(
+            technique.classify,
+            Classify::GradientTable { .. } | Classify::ValueGradient { .. }
+        );
+    let beside = match technique.illustrate {
+        Illustrate::Plain | Illustrate::DepthCue { .. } => 0.0,
+        Illustrate::Silhouette { .. } => 2.0,
+        // Three gradients.
+        Illustrate::ContourLines { .. } => 6.0,
+        Illustrate::Halo { steps, .. } => 8.0 * f64::from(steps),
+    };
+    beside + if has_gradient { 3.0 } else { 1.0 }
 }
 
 /// The data, and what is made of it: coefficients where a kernel needs them, bricks and what is known of them.

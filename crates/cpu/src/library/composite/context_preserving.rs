@@ -58,8 +58,10 @@ impl ContextPreserving {
                     opacity: surface.opacity,
                 };
                 let gradient = sample.gradient(visible);
-                if !crossing.object.shading.is_unlit() {
-                    lit = sample.light_by(lit, gradient, visible, last_normal);
+                let object = crossing.object;
+                if !object.shading.is_unlit() {
+                    let (position, to_eye) = (sample.position, *crossing.to_eye);
+                    lit = object.light_by(lit, gradient, position, to_eye, visible, last_normal);
                 }
                 let [r, g, b] = each!([0, 1, 2], |c| lit.color[c] * F32s::splat(LUMINANCE[c]));
                 let light = (r + g + b).max(zero);

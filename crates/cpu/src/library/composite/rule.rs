@@ -180,21 +180,6 @@ impl<S: Level> Sample<'_, S> {
         object.shade_by(surface, gradient, position, to_eye, shaded, last_normal)
     }
 
-    /// Slot shade without illustration, for a gradient that is known.
-    #[inline(always)]
-    pub fn light_by(
-        &self,
-        surface: Surface<S>,
-        gradient: Vec3s<S>,
-        shaded: Mask<S>,
-        last_normal: &mut Vec3s<S>,
-    ) -> Surface<S> {
-        let crossing = &self.crossing;
-        let (position, to_eye) = (self.position, *crossing.to_eye);
-        let object = crossing.object;
-        object.light_by(surface, gradient, position, to_eye, shaded, last_normal)
-    }
-
     /// Slot illustrate, for a gradient that is known.
     #[inline(always)]
     pub fn illustrate(&self, color: Vec3s<S>, gradient: Vec3s<S>, shaded: Mask<S>) -> Vec3s<S> {
