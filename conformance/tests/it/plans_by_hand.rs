@@ -12,7 +12,7 @@ use strahl_volume::{Control, Datasets};
 
 type Change = fn(&mut Plan);
 
-const WHOLE: [(Change, &str); 20] = [
+const WHOLE: [(Change, &str); 21] = [
     (|plan| plan.width = 0, "width is 0; it has to be 1 to 65535"),
     (|plan| plan.height = 65_536, "height is 65536"),
     (|plan| plan.lattice.frames = 0, "lattice.frames is 0"),

@@ -108,10 +108,16 @@ fn suggest_preset(error: &mut clap::Error) {
     };
     let near = text(ContextKind::InvalidValue).and_then(PresetInfo::nearest);
     if let (true, ErrorKind::InvalidValue) = (is_preset, error.kind()) {
-        let near = near.map_or(ContextValue::None, |near| {
-            ContextValue::String(near.to_owned())
-        });
-        error.insert(ContextKind::SuggestedValue, near);
+        match near {
+            Some(near) => {
+                let near = ContextValue::String(near.to_owned());
+                error.insert(ContextKind::SuggestedValue, near);
+            }
+            // clap's own suggestion compares letters only.
+            None => {
+                error.remove(ContextKind::SuggestedValue);
+            }
+        }
     }
 }
 

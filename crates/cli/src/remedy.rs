@@ -49,7 +49,7 @@ pub fn of_note(note: &Note) -> Option<&'static str> {
     match note {
         Note::GraphEvaluated | Note::FunctionEvaluated { .. } => Some("--backend gpu is faster"),
         Note::UntoldPlaces { .. } => {
-            Some("or name the volume behind the picture, and labels by --labels")
+            Some("or name the volume after the picture, and labels with --labels")
         }
         Note::SoftwareAdapter { .. } => Some("--backend cpu is faster"),
         _ => None,

@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
 use strahl_shader::registry::Function;
-use strahl_shader::{Module, Parameter, SLOTS};
+use strahl_shader::{Module, Parameter, SLOTS, Scalar};
 
 /// A shader function, and values for its parameters.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -146,13 +146,17 @@ fn of_library(
     plan: &mut Plan,
     checker: &mut Checker,
 ) {
-    let mut wrong = |why: &str| {
-        let name = format!("{:?}", wanted.module);
-        checker.add(format!("{path}.module"), name, why);
-    };
     let function = match Function::named(slot, &wanted.module) {
         Ok(function) => function,
-        Err(error) => return wrong(&error.to_string()),
+        Err(error) => {
+            let names: Vec<&str> = Function::of_slot(slot).map(|f| &*f.name).collect();
+            let allowed = match names.is_empty() {
+                true => error.to_string(),
+                false => format!("{}, or a file that ends in .wgsl", names.join(", ")),
+            };
+            let name = format!("{:?}", wanted.module);
+            return checker.add(format!("{path}.module"), name, &allowed);
+        }
     };
     let Some(values) = values(path, wanted, function.parameters, checker) else {
         return;
@@ -187,14 +191,27 @@ fn values(
         match parameter.check(value.numbers()) {
             Ok(()) => values.push((name.clone(), value.numbers().to_vec())),
             Err(_) => {
-                let [low, high] = parameter.range;
-                let (kind, number) = (parameter.type_name(), Number);
-                let allowed = format!("{kind}, {} to {}", number(low), number(high));
-                checker.add(path, format!("{:?}", value.numbers()), &allowed);
+                let found = match value {
+                    ParameterValue::Number(value) => Number(*value).to_string(),
+                    ParameterValue::Vector(values) => format!("{values:?}"),
+                };
+                checker.add(path, found, &allowed(parameter));
             }
         }
     }
     (checker.problems.len() == before).then_some(values)
+}
+
+/// What a parameter takes, in words.
+fn allowed(parameter: &Parameter) -> String {
+    let [low, high] = parameter.range.map(Number);
+    let what = match (parameter.components, parameter.scalar) {
+        (1, Scalar::F32) => "a number".to_owned(),
+        (1, _) => "a whole number".to_owned(),
+        (n, Scalar::F32) => format!("{n} numbers"),
+        (n, _) => format!("{n} whole numbers"),
+    };
+    format!("{what}, {low} to {high}")
 }
 
 /// The same of one layer.

@@ -85,7 +85,7 @@ pub use object::{Placement, SceneObject};
 #[cfg(feature = "schema")]
 pub use parse::schema;
 pub use parse::{Error, MOST_SCENE_BYTES};
-pub use preset::{PresetInfo, presets};
+pub use preset::{PresetInfo, preset_notes, presets};
 pub use problem::{Problem, Problems};
 pub use rendered::{Counts, Rendered, Stats};
 pub use resolve::{resolve, resolve_with};

@@ -424,7 +424,15 @@ fn plain_types(why: &str) -> String {
         ("expected u64", "expected a whole number from 0"),
         ("expected usize", "expected a whole number from 0"),
         ("expected struct Scene", "expected an object of keys"),
-        ("expected struct", "expected an object for"),
+        (
+            "expected struct FunctionUse",
+            "expected an object such as { \"module\": \"halo\" }",
+        ),
+        (
+            "expected struct VolumeSource",
+            "expected an object such as { \"path\": \"head.nii.gz\" }",
+        ),
+        ("expected a map", "expected an object"),
         ("expected a sequence", "expected a list"),
         ("expected an array of length", "expected a list of length"),
         ("invalid type: map", "invalid type: an object"),
@@ -434,6 +442,17 @@ fn plain_types(why: &str) -> String {
         ("missing field", "missing key"),
     ] {
         text = text.replace(rust, plain);
+    }
+    // Names of other types say nothing to an author.
+    if let Some(at) = text.find("expected struct ") {
+        let name = &text[at + "expected struct ".len()..];
+        let end = name
+            .find(|c: char| !c.is_alphanumeric())
+            .unwrap_or(name.len());
+        let rest = name[end..].to_owned();
+        text.truncate(at);
+        text.push_str("expected an object of keys");
+        text.push_str(&rest);
     }
     text
 }

@@ -182,7 +182,7 @@ pub(crate) fn check_labels(grid: &Grid, labels: &Grid, checker: &mut Checker) ->
         let spacing = grid.spacing_mm();
         let center = grid.center_mm();
         format!(
-            "{x}×{y}×{z} voxels of {:.4}×{:.4}×{:.4} mm, axes {}, centre ({:.2}, {:.2}, {:.2}) mm",
+            "{x}×{y}×{z} voxels of {:.4}×{:.4}×{:.4} mm, axes {}, center ({:.2}, {:.2}, {:.2}) mm",
             spacing.x,
             spacing.y,
             spacing.z,

@@ -2,8 +2,9 @@
 
 use crate::nearest::nearest;
 use crate::patient::{is_patient, looks_like_hounsfield};
+use crate::problem::Number;
 use crate::window::{otsu_threshold, share_above};
-use crate::{Method, Scene};
+use crate::{Headers, LabelHeader, Method, PointsIn, Scene, SegmentChoice, SegmentUse};
 use strahl_volume::{Modality, VolumeHeader};
 
 /// Name and purpose of a preset.
@@ -80,6 +81,57 @@ static PRESETS: [PresetInfo; 16] = [
         "any volume: mean value of each ray, like an X-ray film"
     ),
 ];
+
+/// What a person should know who draws this with the preset of `scene`.
+pub fn preset_notes(scene: &Scene, headers: &Headers) -> Vec<String> {
+    let mut notes = Vec::new();
+    let Some(preset) = scene.preset.as_deref().and_then(PresetInfo::find) else {
+        return notes;
+    };
+    let of_preset = preset.scene();
+    let function = of_preset.transfer_function.unwrap_or_default();
+    let own = scene.transfer_function.clone().unwrap_or_default();
+    let in_values = function.points.is_some() && function.points_in != Some(PointsIn::Window);
+    if in_values && own.points.is_none() {
+        if own.window.is_some() || own.level.is_some() {
+            notes.push(format!(
+                "the window replaces the points of the preset {}, which count in HU, by a ramp; leave the window out, or choose a preset whose points count in the window, such as solid",
+                preset.name
+            ));
+        } else if let Some(header) = headers.volumes.first()
+            && header.metadata.modality != Some(Modality::Ct)
+            && !looks_like_hounsfield(header)
+        {
+            let [low, high] = header.statistics.range;
+            notes.push(format!(
+                "the preset {} counts in HU, and the values, {} to {}, do not look like HU; solid and vessels fit other values",
+                preset.name,
+                Number(low),
+                Number(high)
+            ));
+        }
+    }
+    if let (Some(labels), Some(uses)) = (&headers.labels, &of_preset.segments) {
+        notes.extend(note_of_names(preset.name, uses, labels));
+    }
+    notes
+}
+
+/// A note if no segment has a name that the preset looks for.
+fn note_of_names(preset: &str, uses: &[SegmentUse], labels: &LabelHeader) -> Option<String> {
+    let everything = SegmentChoice::Name("*".to_owned());
+    let mut named = uses.iter().filter(|used| used.of != everything).peekable();
+    named.peek()?;
+    let is_named = named.any(|used| {
+        let mut segments = labels.segments();
+        segments.any(|(id, label)| used.of.has(id, label))
+    });
+    (!is_named).then(|| {
+        format!(
+            "no segment has a name that the preset {preset} looks for, such as skull, rib_left_1, aorta (`strahl presets {preset}` lists them)"
+        )
+    })
+}
 
 /// The built-in presets.
 pub fn presets() -> &'static [PresetInfo] {

@@ -258,12 +258,7 @@ pub(crate) fn notes(uses: &[SegmentUse], all: &Techniques, labels: &LabelHeader)
         notes_of(&path, technique.uses(), labels, &mut notes);
     }
     if shown(uses, all, labels) == 0 {
-        let hidden = "every segment is hidden: the picture is empty";
-        // A choice without segments is the reason.
-        match notes.last_mut() {
-            Some(note) => *note = format!("{note}; {hidden}"),
-            None => notes.push(hidden.to_owned()),
-        }
+        notes.push("every segment is hidden: the picture is empty".to_owned());
     }
     notes
 }
@@ -277,7 +272,11 @@ fn notes_of(path: &str, uses: &[SegmentUse], labels: &LabelHeader, notes: &mut V
                 SegmentChoice::Id(id) => (format!("the id {id}"), None),
                 SegmentChoice::Name(name) => {
                     let names = labels.labels.iter().map(|label| &*label.name);
-                    (format!("the name {name:?}"), nearest(name, names))
+                    let what = format!("the name {name:?}");
+                    match with_part(name, names.clone()) {
+                        Some(others) => (format!("{what}; {others}"), None),
+                        None => (what, nearest(name, names)),
+                    }
                 }
                 SegmentChoice::Group(OfGroup { group }) => {
                     let groups = labels
@@ -293,12 +292,30 @@ fn notes_of(path: &str, uses: &[SegmentUse], labels: &LabelHeader, notes: &mut V
                 SegmentChoice::List(_) | SegmentChoice::But(_) => continue,
             };
             let near = near.map_or(String::new(), |near| format!("; did you mean {near:?}?"));
-            notes.push(format!("{path}[{i}].of: no segment has {what}{near}"));
+            let note = format!("no segment has {what}{near}");
+            // The same choice in two entries is one mistake.
+            if !notes.iter().any(|known| known.ends_with(&note)) {
+                notes.push(format!("{path}[{i}].of: {note}"));
+            }
         }
         if used.show != Some(false) {
             notes.extend(note_of_unused(&format!("{path}[{i}].of"), &used.of, labels));
         }
     }
+}
+
+/// How to choose the segments whose names have `part` in them, if there are several; or those of a list with commas.
+fn with_part<'a>(part: &str, names: impl Iterator<Item = &'a str> + Clone) -> Option<String> {
+    let wanted = part.to_lowercase();
+    let has = |name: &&str| name.to_lowercase().contains(&wanted);
+    let number = names.clone().filter(has).count();
+    if number > 1 && !part.contains(['*', '?']) {
+        return Some(format!("{number} names contain it: write \"*{part}*\""));
+    }
+    let parts: Vec<&str> = part.split(',').map(str::trim).collect();
+    let is_name = |part: &str| names.clone().any(|name| name.eq_ignore_ascii_case(part));
+    (parts.len() > 1 && parts.iter().any(|part| is_name(part)))
+        .then(|| "it is a list: give its names one by one".to_owned())
 }
 
 /// What to say of segments that were asked for, that have names, and that no voxel belongs to.

@@ -151,7 +151,13 @@ fn of_composite(of: &OfTechnique, reads: &Reads, keys: &mut Keys) {
         (of.grey_range.is_some(), "grey_range", &grey),
         (of.blend.is_some(), "blend", &["blend"]),
     ] {
-        let why = format!("{} does not use it", function.word);
+        let why = match key {
+            "threshold" => format!(
+                "the method is {}; only first-hit draws a surface at a threshold",
+                function.word
+            ),
+            _ => format!("{} does not use it", function.word),
+        };
         keys.unless(!is_set || has(parameters), key, why);
     }
 }
@@ -252,11 +258,19 @@ fn of_unused_looks(scene: &Scene, plan: &Plan, headers: &Headers, keys: &mut Key
         method: None,
         ..scene.clone()
     };
-    let changes =
-        |without: Scene| !resolve_with(&without, headers).is_ok_and(|other| other == *plan);
+    let is_same = |other: &Plan| other == plan;
+    let changes = |without: Scene| !resolve_with(&without, headers).is_ok_and(|o| is_same(&o));
+    // The background of the preset that a method chooses is not what it is set for.
+    let changes_more = |without: Scene| {
+        !resolve_with(&without, headers).is_ok_and(|mut other| {
+            other.background = plan.background;
+            other.display.background = plan.display.background;
+            is_same(&other)
+        })
+    };
     let preset_counts = scene.preset.is_none() || changes(preset());
     keys.unless(preset_counts, "preset", NOT_BY_SCENE);
-    let method_counts = scene.method.is_none() || changes(method());
+    let method_counts = scene.method.is_none() || changes_more(method());
     keys.unless(method_counts, "method", NOT_BY_SCENE);
 }
 

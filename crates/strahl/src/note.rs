@@ -21,6 +21,8 @@ pub enum Note {
     },
     /// A key of the scene that changes nothing of the picture.
     WithoutEffect(WithoutEffect),
+    /// The scene chooses segments, and there are no labels: the volume is drawn as a whole.
+    NoLabels,
     /// The clips leave nothing of a volume.
     ClippedAway {
         /// Which one, such as `the object "liver"`.
@@ -54,6 +56,7 @@ impl fmt::Display for Note {
                 write!(f, "{adapter} is a software renderer: it draws on the CPU")
             }
             Note::WithoutEffect(key) => key.fmt(f),
+            Note::NoLabels => f.write_str("segments has no effect without labels (key `labels`)"),
             Note::ClippedAway { object } => {
                 write!(
                     f,
@@ -61,13 +64,13 @@ impl fmt::Display for Note {
                 )
             }
             Note::UntoldPlaces { files } => {
-                let (lie, them) = match files.len() {
-                    1 => ("lies", "it"),
-                    _ => ("lie", "them"),
+                let (name, them) = match files.len() {
+                    1 => ("name", "it"),
+                    _ => ("names", "them"),
                 };
                 write!(
                     f,
-                    "the picture does not tell where {} {lie}, as that would take an absolute path; to draw it again, put {them} beside the picture",
+                    "the picture keeps only the {name} of {}; to draw it again, put {them} beside the picture",
                     files.join(", ")
                 )
             }

@@ -22,8 +22,8 @@ use strahl_cpu::Options;
 use strahl_gpu::TextureTarget;
 use strahl_scene::{
     Background, Camera, Clip, Headers, Image, Method, Rendered, Scene, Stats, TransferFunction,
-    View, VolumeSource, WithoutEffect, keys_without_effect, plan, resolve_with, settled_with,
-    why_nothing_is_seen,
+    View, VolumeSource, WithoutEffect, keys_without_effect, plan, preset_notes, resolve_with,
+    settled_with, why_nothing_is_seen,
 };
 use strahl_volume::read::ReadOptions;
 use strahl_volume::{Control, Phantom, Volume};
@@ -413,6 +413,11 @@ impl<'a> Render<'a> {
         of_data: Vec<String>,
     ) -> Vec<Note> {
         let mut notes: Vec<Note> = of_data.into_iter().map(Note::Data).collect();
+        if scene.segments.is_some() && headers.labels.is_none() {
+            notes.push(Note::NoLabels);
+        }
+        let of_preset = preset_notes(scene, headers);
+        notes.extend(of_preset.into_iter().map(Note::Data));
         // Where every key is set, those are too that have no effect.
         if !self.is_complete {
             let keys = keys_without_effect(scene, plan, headers);
@@ -435,6 +440,18 @@ impl<'a> Render<'a> {
     /// As [`Render::picture`].
     pub fn settled_scene(&self) -> Result<Scene, Error> {
         Ok(self.settle()?.0)
+    }
+
+    /// What a user should know about the scene and its data before it is drawn, such as keys without effect. Draws
+    /// nothing.
+    ///
+    /// # Errors
+    /// As [`Render::picture`].
+    pub fn scene_notes(&self) -> Result<Vec<Note>, Error> {
+        let data = self.data(&self.session())?;
+        let (headers, scene) = (data.headers(), self.known_scene());
+        let plan = self.checked(resolve_with(&scene, &headers))?;
+        Ok(self.notes(&scene, &plan, &headers, data.notes))
     }
 
     /// The Plan of the scene, with the data read to resolve it. Draws nothing.
@@ -483,7 +500,9 @@ impl<'a> Render<'a> {
         let headers = self.data(&self.session())?.headers();
         let scene = self.known_scene();
         let plan = self.checked(resolve_with(&scene, &headers))?;
-        Ok((settled_with(&scene, &headers), plan))
+        let mut settled = settled_with(&scene, &headers);
+        leave_out_unused(&mut settled, &scene, &plan, &headers);
+        Ok((settled, plan))
     }
 
     /// Draws into the file `path`: 8-bit PNG or 32-bit EXR, depending on its name.
@@ -560,6 +579,27 @@ impl<'a> Render<'a> {
 
     fn checked<T>(&self, result: Result<T, strahl_scene::Problems>) -> Result<T, Error> {
         result.map_err(|problems| Error::from(problems).of_scene(&self.scene_path))
+    }
+}
+
+/// Takes looks of the scene that draw nothing out of what was filled in, where segments have techniques of their own:
+/// whoever reads them there would believe that they matter.
+fn leave_out_unused(settled: &mut Scene, scene: &Scene, plan: &plan::Plan, headers: &Headers) {
+    for unused in keys_without_effect(settled, plan, headers) {
+        match &*unused.key {
+            "transfer_function" if scene.transfer_function.is_none() => {
+                settled.transfer_function = None;
+            }
+            "shading" if scene.shading.is_none() => settled.shading = None,
+            "method" if scene.method.is_none() => settled.method = None,
+            "preset" if scene.preset.is_none() => settled.preset = None,
+            "gradient.of" if scene.gradient.is_none_or(|gradient| gradient.of.is_none()) => {
+                if let Some(gradient) = &mut settled.gradient {
+                    gradient.of = None;
+                }
+            }
+            _ => {}
+        }
     }
 }
 

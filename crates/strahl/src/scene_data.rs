@@ -220,7 +220,6 @@ impl SceneData {
             for (key, is_set) in [
                 ("labels", scene.labels.is_some()),
                 ("techniques", scene.techniques.is_some()),
-                ("segments", scene.segments.is_some()),
                 ("composite", scene.composite.is_some()),
             ] {
                 if is_set {

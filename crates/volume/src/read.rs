@@ -300,7 +300,8 @@ fn folder(name: &str, files: &dyn Files, options: &ReadOptions) -> Result<Loaded
             }
         }
     }
-    let below = match has_dicom || !pictures.is_empty() {
+    // Of files that lie side by side, one has to be chosen; what lies deeper is no better choice.
+    let below = match has_dicom || !pictures.is_empty() || !volumes.is_empty() {
         true => Vec::new(),
         false => names_in_folders(files)?,
     };
@@ -352,7 +353,7 @@ fn volumes_in_folder(volumes: &[String]) -> String {
     let names = volumes[..volumes.len().min(SHOWN)].join(", ");
     let more = if volumes.len() > SHOWN { ", …" } else { "" };
     format!(
-        "the folder has {}: {names}{more}; name the one to read (only DICOM series, sequences of pictures, and masks are read as folders)",
+        "there are {}: {names}{more}; name the one to read (only the files of a DICOM series, of a sequence of pictures, and masks are read together; `objects` of a scene draw several volumes)",
         numbered(volumes.len(), "volume file")
     )
 }

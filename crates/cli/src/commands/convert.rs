@@ -8,8 +8,8 @@ use anyhow::{Context, Result};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use strahl::Output;
-use strahl::volume::Volume;
 use strahl::volume::write::{Format, NewFiles, WriteOptions, value_type, write_components};
+use strahl::volume::{Label, Volume};
 
 pub fn run(flags: &ConvertFlags, quiet: bool) -> Result<()> {
     let path = &flags.output;
@@ -61,6 +61,9 @@ pub fn run(flags: &ConvertFlags, quiet: bool) -> Result<()> {
     if are_colors && !format.keeps_colors(&loaded.volumes) {
         print::note("the file holds the colors as vectors", quiet);
     }
+    if let Some(lost) = lost_labels(format, options.labels.as_deref()) {
+        print::note(&lost, quiet);
+    }
     if !quiet {
         let [x, y, z] = volume.grid().dims();
         let numbers = match count {
@@ -73,6 +76,26 @@ pub fn run(flags: &ConvertFlags, quiet: bool) -> Result<()> {
         ));
     }
     Ok(())
+}
+
+/// What a format loses of these labels, if anything.
+fn lost_labels(format: Format, labels: Option<&[Label]>) -> Option<String> {
+    let names = match labels?.len() {
+        0 => None,
+        1 => Some("the name and color of 1 label are".to_owned()),
+        n => Some(format!("the names and colors of {n} labels are")),
+    };
+    match (names, format.marks_labels()) {
+        _ if format.keeps_label_names() => None,
+        (None, true) => None,
+        (None, false) => Some(
+            "the file does not say that its numbers are object ids; .nrrd and .nii do".to_owned(),
+        ),
+        (Some(names), true) => Some(format!("{names} not in the file; .nrrd keeps them")),
+        (Some(names), false) => Some(format!(
+            "{names} not in the file, nor does it say that its numbers are object ids; .nrrd keeps both"
+        )),
+    }
 }
 
 /// What a format without a header leaves behind, and the flags that make up for it.

@@ -7,8 +7,9 @@ use crate::flags::{
 use crate::print;
 use crate::progress::{Progress, Stages};
 use crate::remedy;
-use anyhow::{Result, anyhow, bail};
+use anyhow::{Error, Result, anyhow, bail};
 use serde_json::{Value, json};
+use std::io::ErrorKind;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
@@ -23,7 +24,30 @@ use strahl::{
 
 pub fn render(flags: &RenderFlags, quiet: bool) -> Result<()> {
     let subject = subject_within(&flags.inputs, &flags.read, &flags.trust, quiet)?;
-    draw(subject, &flags.draw, &flags.file, &flags.output, quiet)
+    let drawn = draw(subject, &flags.draw, &flags.file, &flags.output, quiet);
+    drawn.map_err(|error| of_missing_data(error, &flags.inputs))
+}
+
+/// Says of a file that a picture names, and that is not where it says, how to name it.
+pub fn of_missing_data(error: Error, inputs: &[PathBuf]) -> Error {
+    let [picture] = inputs else {
+        return error;
+    };
+    match error.downcast_ref() {
+        Some(strahl::Error::Path { path, error: why })
+            if why.kind() == ErrorKind::NotFound
+                && crate::flags::is_picture(picture)
+                && path != picture =>
+        {
+            let (name, picture) = (path.file_name().unwrap_or_default(), picture.display());
+            anyhow!(
+                "{picture} carries a scene, not the data: it names {}, and there is no such file; put it there, or name the volume after the picture, `{picture} FOLDER/{}`, and labels with --labels",
+                path.display(),
+                name.display()
+            )
+        }
+        _ => error,
+    }
 }
 
 /// What `strahl demo` draws when nobody says how: the anatomy phantom, cut open.
@@ -36,6 +60,10 @@ pub fn demo(flags: &DemoFlags, quiet: bool) -> Result<()> {
     } else {
         Scene::default()
     };
+    if !(flags.draw.highlight.is_empty() && flags.draw.only.is_empty()) {
+        // Segments have looks of their own.
+        (scene.method, scene.transfer_function) = (None, None);
+    }
     scene.volume = Some(VolumeSource {
         phantom: Some(flags.phantom.clone()),
         dims: flags.dims.as_deref().map(args::dims).transpose()?,
@@ -93,6 +121,26 @@ pub fn subject_within(
     let source = args::read_over(read, source)?;
     let said = source != VolumeSource::default();
     Ok(render.with(|scene| scene.volume = said.then_some(source)))
+}
+
+/// Refuses flags for segments where there are none: the whole volume is not what was asked for.
+fn check_labels_are_there(flags: &DrawFlags, notes: &[Note]) -> Result<()> {
+    let flag = [
+        ("--only", &flags.only),
+        ("--highlight", &flags.highlight),
+        ("--show", &flags.show),
+        ("--hide", &flags.hide),
+    ];
+    let Some((flag, texts)) = flag.into_iter().find(|(_, texts)| !texts.is_empty()) else {
+        return Ok(());
+    };
+    match notes.iter().any(|note| *note == Note::NoLabels) {
+        true => bail!(
+            "{flag} is {}, and the volume has no labels; give them with --labels FILE, or draw intervals of values with --layers",
+            texts[0]
+        ),
+        false => Ok(()),
+    }
 }
 
 /// Says that a picture is cut off whose scene is used.
@@ -190,6 +238,7 @@ fn draw(
         return Err(error.into());
     }
     let picture = picture?;
+    check_labels_are_there(flags, &picture.notes)?;
     let write_start = Instant::now();
     let writing = Progress::new("writing", quiet);
     let told = match (file.no_recipe, file.anonymous) {
@@ -217,8 +266,12 @@ fn draw(
     if !quiet {
         let (width, height) = (picture.image.width(), picture.image.height());
         let path = path.display();
+        let preset = match &picture.scene.preset {
+            Some(preset) => format!(", preset {preset}"),
+            None => String::new(),
+        };
         print::message(&format!(
-            "wrote {path}: {width} × {height} pixels in {total_seconds:.1} s"
+            "wrote {path}: {width} × {height} pixels in {total_seconds:.1} s{preset}"
         ));
     }
     if let Some(StatsFormat::Json) = file.stats {
@@ -229,7 +282,7 @@ fn draw(
 }
 
 /// What to print of `notes`, with what to do. Keys that change nothing for the same reason share one.
-fn notes<'n>(notes: impl Iterator<Item = &'n Note>) -> Vec<String> {
+pub fn notes<'n>(notes: impl Iterator<Item = &'n Note>) -> Vec<String> {
     let mut texts = Vec::new();
     // Where each reason stands, and which keys it has.
     let mut reasons: Vec<(usize, &str, Vec<&str>)> = Vec::new();

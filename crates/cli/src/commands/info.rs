@@ -10,7 +10,7 @@ use label_list::LabelList;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use strahl::volume::read::LoadedVolume;
-use strahl::volume::{Grid, Modality, Statistics, VolumeHeader};
+use strahl::volume::{Grid, Modality, Samples, Statistics, Volume, VolumeHeader};
 
 /// Shares of the voxels for which quantiles are printed.
 const QUANTILES: [f64; 5] = [0.01, 0.25, 0.5, 0.75, 0.99];
@@ -34,7 +34,14 @@ pub fn run(flags: &InfoFlags, quiet: bool) -> Result<()> {
     if flags.anonymous {
         loaded.volume = loaded.volume.anonymous();
     }
-    let content = Content::of(loaded);
+    let mut content = Content::of(loaded);
+    if let [picture] = flags.volume.as_slice()
+        && crate::flags::is_picture(picture)
+        && let Ok(Some(_)) = strahl::Recipe::of_file(picture)
+    {
+        let note = format!("the picture carries a scene: `strahl scene show {name}` prints it");
+        content.notes.push(note);
+    }
     if flags.json {
         let json = serde_json::to_string_pretty(&as_json(&name, &content))?;
         print::out(&(json + "\n"))
@@ -48,12 +55,15 @@ struct Content {
     header: VolumeHeader,
     /// If the numbers are object ids.
     labels: Option<LabelList>,
+    /// Shares and the values that these shares of the voxels lie below.
+    quantiles: [[f64; 2]; 5],
     notes: Vec<String>,
 }
 
 impl Content {
     fn of(loaded: LoadedVolume) -> Content {
         let header = loaded.volume.header();
+        let quantiles = quantiles(&loaded.volume);
         let mut notes = loaded.notes;
         let list = |labels| LabelList::of(loaded.volume, labels);
         let labels = match loaded.labels.map(list).transpose() {
@@ -66,6 +76,7 @@ impl Content {
         Content {
             header,
             labels,
+            quantiles,
             notes,
         }
     }
@@ -178,7 +189,8 @@ fn as_text(name: &str, content: &Content) -> String {
         if statistics.not_finite > 0 {
             row("not finite", number(statistics.not_finite as f64));
         }
-        let rows = quantiles(volume)
+        let rows = content
+            .quantiles
             .map(|[share, value]| format!("{}%: {}", share * 100.0, number(value)));
         row("quantiles", rows.join("   "));
     }
@@ -206,13 +218,35 @@ fn as_text(name: &str, content: &Content) -> String {
     text
 }
 
-/// Shares and the values that these shares of the voxels lie below.
-fn quantiles(volume: &VolumeHeader) -> [[f64; 2]; 5] {
-    let (statistics, slope) = (&volume.statistics, volume.rescale.slope);
-    QUANTILES.map(|share| match volume.sample_type.is_integer() {
-        true => [share, statistics.whole_quantile(share, slope)],
-        false => [share, statistics.quantile(share)],
+/// Of whole numbers by the histogram. Its bins are too wide for floats, of which many may be one value: theirs are those of
+/// voxels, of all or of every n-th.
+fn quantiles(volume: &Volume) -> [[f64; 2]; 5] {
+    let (statistics, rescale) = (volume.statistics(), volume.rescale());
+    let mut sorted: Vec<f64> = match volume.samples() {
+        Samples::F32(samples) => evenly(samples).map(|number| f64::from(*number)).collect(),
+        Samples::F64(samples) => evenly(samples).copied().collect(),
+        _ => {
+            return QUANTILES.map(|share| [share, statistics.whole_quantile(share, rescale.slope)]);
+        }
+    };
+    sorted.retain(|number| number.is_finite());
+    for number in &mut sorted {
+        *number = rescale.slope * *number + rescale.intercept;
+    }
+    sorted.sort_unstable_by(f64::total_cmp);
+    QUANTILES.map(|share| {
+        let at = (share * sorted.len() as f64) as usize;
+        let last = sorted.len().saturating_sub(1);
+        [share, sorted.get(at.min(last)).copied().unwrap_or(f64::NAN)]
     })
+}
+
+/// At most a million of them, as far apart as each other.
+fn evenly<T>(samples: &[T]) -> impl Iterator<Item = &T> {
+    const MOST: usize = 1 << 20;
+    // Odd, so that not all lie in one column of a volume whose width is a power of two.
+    let step = samples.len().div_ceil(MOST) | 1;
+    samples.iter().step_by(step)
 }
 
 /// The orientation code and its meaning.
@@ -304,7 +338,7 @@ fn as_json(name: &str, content: &Content) -> Value {
     } = volume;
     let (lo, hi) = grid.bounds_mm();
     let are_values = content.labels.is_none();
-    let quantiles = are_values.then(|| quantiles(volume));
+    let quantiles = are_values.then_some(content.quantiles);
     let entries = metadata
         .entries
         .iter()

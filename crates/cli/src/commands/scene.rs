@@ -48,9 +48,13 @@ fn check_one(path: &Path, quiet: bool) -> Result<&'static str> {
         return Ok("every key is known; it names no volume, so only its keys were checked");
     }
     let stages = Stages::new(quiet);
-    Render::scene_file(file)
+    let notes = Render::scene_file(file)
         .control(stages.control())
-        .settled_scene()?;
+        .scene_notes()?;
+    drop(stages);
+    for note in draw::notes(notes.iter()) {
+        print::note(&format!("{}: {note}", path.display()), quiet);
+    }
     Ok("can be drawn")
 }
 
@@ -61,8 +65,9 @@ fn show(flags: &SceneShowFlags, quiet: bool) -> Result<()> {
         &flags.draw,
     )?;
     let stages = Stages::new(quiet);
-    let scene = subject.control(stages.control()).settled_scene()?;
+    let scene = subject.control(stages.control()).settled_scene();
     drop(stages);
+    let scene = scene.map_err(|error| draw::of_missing_data(error.into(), &flags.inputs))?;
     match output {
         None => print::out(&seen_from(Path::new("."), &scene).to_json()),
         Some(mut output) => {

@@ -10,7 +10,7 @@ use anyhow::{Result, bail};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::Path;
-use strahl::shader::{Module, Program, SLOTS, Slot, Work, library};
+use strahl::shader::{Module, Parameter, Program, SLOTS, Slot, Work, library};
 
 pub fn run(command: &ShaderCommand) -> Result<()> {
     match command {
@@ -71,12 +71,41 @@ fn list(flags: &ShaderListFlags) -> Result<()> {
             let _ = writeln!(text, "    {function}");
         }
         for module in of_slot(slot) {
-            let first = module.meaning().lines().next().unwrap_or_default();
+            let first = first_sentence(module.meaning());
             let _ = writeln!(text, "  {:<18} {first}", module.name());
+            let parameters: Vec<String> = module.parameters().iter().map(of_parameter).collect();
+            if !parameters.is_empty() {
+                let _ = writeln!(text, "  {:<18} ({})", "", parameters.join(", "));
+            }
         }
         text.push('\n');
     }
     print::out(&text)
+}
+
+/// The first sentence of a meaning, on one line. A dot behind a single letter is that of an initial.
+fn first_sentence(meaning: &str) -> String {
+    let line = meaning.split_whitespace().collect::<Vec<_>>().join(" ");
+    let ends = line.match_indices(". ").find(|(at, _)| {
+        let word = line[..*at].rsplit([' ', '(']).next().unwrap_or_default();
+        word.chars().count() > 1 && !line[..*at].ends_with(" al")
+    });
+    match ends {
+        Some((at, _)) => line[..=at].to_owned(),
+        None => line,
+    }
+}
+
+/// The name, default and range of a parameter.
+fn of_parameter(parameter: &Parameter) -> String {
+    let [low, high] = parameter.range;
+    let default: Vec<String> = parameter.default.iter().map(f64::to_string).collect();
+    let default = match default.len() {
+        0 => String::new(),
+        1 => format!(" {}", default[0]),
+        _ => format!(" [{}]", default.join(", ")),
+    };
+    format!("{}{default}: {low} to {high}", parameter.name)
 }
 
 fn of_slot(slot: &Slot) -> impl Iterator<Item = &'static Module> {

@@ -109,13 +109,8 @@ pub struct DrawFlags {
           value_parser = PossibleValuesParser::new(Method::ALL.map(Method::name)))]
     pub method: Option<String>,
 
-    /// Value of the surface that first-hit draws
-    #[arg(
-        long,
-        value_name = "VALUE",
-        allow_negative_numbers = true,
-        hide_short_help = true
-    )]
+    /// Value of the surface that first-hit draws; needs --method first-hit
+    #[arg(long, value_name = "VALUE", allow_negative_numbers = true)]
     pub threshold: Option<f64>,
 
     /// Width of the value window that the transfer function covers
@@ -128,7 +123,7 @@ pub struct DrawFlags {
 
     /// Color map over the value window
     #[arg(long, value_name = "MAP",
-          value_parser = PossibleValuesParser::new(ColorMap::ALL.map(|map| with_gray(map.name()))), hide_short_help = true)]
+          value_parser = PossibleValuesParser::new(ColorMap::ALL.map(|map| with_gray(map.name()))))]
     pub color_map: Option<String>,
 
     /// Opacity at the low and the high end of the value window, each 0 to 1
@@ -142,7 +137,7 @@ pub struct DrawFlags {
 
     /// Shading model; unlit shows the plain colors
     #[arg(long, alias = "shading", value_name = "MODEL",
-          value_parser = PossibleValuesParser::new(ShadingModel::ALL.map(ShadingModel::name)), hide_short_help = true)]
+          value_parser = PossibleValuesParser::new(ShadingModel::ALL.map(ShadingModel::name)))]
     pub shade: Option<String>,
 
     /// Draw the segments of this label volume, each in its own color
@@ -157,18 +152,12 @@ pub struct DrawFlags {
         value_name = "N|VALUES",
         allow_hyphen_values = true,
         conflicts_with = "labels",
-        help_heading = "Segments",
-        hide_short_help = true
+        help_heading = "Segments"
     )]
     pub layers: Option<String>,
 
-    /// Draw only these segments, given by id, by name with * and ?, or by group:NAME; repeatable
-    #[arg(
-        long,
-        value_name = "SEGMENT",
-        help_heading = "Segments",
-        hide_short_help = true
-    )]
+    /// Draw only these segments, given by id, by name with * and ?, or by group:NAME; repeat it for more
+    #[arg(long, value_name = "SEGMENT", help_heading = "Segments")]
     pub only: Vec<String>,
 
     /// Also draw these segments, 0 for the background; repeatable
@@ -190,12 +179,7 @@ pub struct DrawFlags {
     pub hide: Vec<String>,
 
     /// Draw these segments solid and all others faintly; repeatable
-    #[arg(
-        long,
-        value_name = "SEGMENT",
-        help_heading = "Segments",
-        hide_short_help = true
-    )]
+    #[arg(long, value_name = "SEGMENT", help_heading = "Segments")]
     pub highlight: Vec<String>,
 
     /// Cut by a plane, keeping the side that its normal points to
@@ -220,7 +204,7 @@ pub struct DrawFlags {
     pub clip_space: Option<String>,
 
     /// Background color: "#rrggbb", black, white or transparent
-    #[arg(long, value_name = "COLOR", hide_short_help = true)]
+    #[arg(long, value_name = "COLOR")]
     pub background: Option<String>,
 
     /// Same as --background transparent

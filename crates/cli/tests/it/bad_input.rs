@@ -68,8 +68,15 @@ fn a_folder_without_a_volume() {
     for name in ["a.nii.gz", "b.nrrd"] {
         save(&small, &folder.path().join("notes"), name);
     }
-    let words = ["the folder has 2 volume files: a.nii.gz, b.nrrd; name the one to read"];
+    let words = ["there are 2 volume files: a.nii.gz, b.nrrd; name the one to read"];
     fails(folder.path(), &args, &words);
+    // What lies deeper is no better choice than what lies here.
+    let below = folder.path().join("notes/slices");
+    fs::create_dir(&below).unwrap();
+    fs::write(below.join("1.dcm"), [&[0; 128][..], b"DICM"].concat()).unwrap();
+    fails(folder.path(), &args, &words);
+    let two = ["render", "notes/a.nii.gz", "notes/b.nrrd", "-o", "out.png"];
+    fails(folder.path(), &two, &["there are 2 volume files"]);
 }
 
 #[test]

@@ -85,7 +85,7 @@ fn short_help_fits_on_a_screen() {
     for command in ["render", "demo"] {
         let short = run_well(folder.path(), &[command, "-h"]);
         let lines = short.lines().count();
-        assert!(lines <= 48, "{lines} lines: {short}");
+        assert!(lines <= 54, "{lines} lines: {short}");
         assert!(!short.contains("--white-point"), "{short}");
         let long = run_well(folder.path(), &[command, "--help"]);
         assert!(long.contains("--white-point"), "{long}");
@@ -216,6 +216,41 @@ fn info_knows_whole_numbers() {
     let plain = run_well(folder.path(), &["info", "plain.nrrd"]);
     let expected = "1%: 0   25%: 0   50%: 0   75%: 3   99%: 7";
     assert!(plain.contains(expected), "{plain}");
+}
+
+/// Half of the voxels are 0, in one bin of the histogram with other small numbers: no value between is invented.
+#[test]
+fn info_invents_no_quantiles_of_floats() {
+    let folder = tempfile::tempdir().unwrap();
+    let header = "NRRD0004\ntype: float\ndimension: 3\nsizes: 10 1 1\nencoding: ascii\n\n0 0 0 0 0 0 0.5 2.5 2.5 ";
+    for (last, expected) in [
+        ("563.25", "1%: 0   25%: 0   50%: 0   75%: 2.5   99%: 563.25"),
+        ("nan", "1%: 0   25%: 0   50%: 0   75%: 0.5   99%: 2.5"),
+    ] {
+        fs::write(folder.path().join("plain.nrrd"), format!("{header}{last}")).unwrap();
+        let plain = run_well(folder.path(), &["info", "plain.nrrd"]);
+        assert!(plain.contains(expected), "{plain}");
+    }
+}
+
+#[test]
+fn names_of_labels_that_a_format_loses_are_told() {
+    let folder = folder_with_labels();
+    let said = |to: &str| run(folder.path(), &["convert", "organs.seg.nrrd", to]).err;
+    let names = "the names and colors of 2 labels are not in the file";
+    for (to, expected) in [
+        (
+            "o.nii.gz",
+            "note: the names and colors of 2 labels are not in the file; .nrrd keeps them",
+        ),
+        (
+            "o.mha",
+            "are not in the file, nor does it say that its numbers are object ids",
+        ),
+    ] {
+        assert!(said(to).contains(expected), "{}", said(to));
+    }
+    assert!(!said("o.nrrd").contains(names), "{}", said("o.nrrd"));
 }
 
 /// A label volume of 4 voxels of 0.5 × 2 × 3 mm: ids 0, 7, 7, 300.
@@ -514,6 +549,13 @@ fn scenes_are_checked_all_of_them() {
     let out = run_well(folder.path(), &["scene", "check", "good.json", "bare.json"]);
     assert!(out.contains("good.json: can be drawn"), "{out}");
     assert!(out.contains("bare.json: every key is known"), "{out}");
+    write(
+        "odd.json",
+        r#"{"volume": {"path": "shells.nrrd"}, "threshold": 3}"#,
+    );
+    let odd = self::run(folder.path(), &["scene", "check", "odd.json"]);
+    let note = "note: odd.json: threshold changes nothing: the method is emission-absorption";
+    assert!(odd.err.contains(note), "{}", odd.err);
     let run = run(
         folder.path(),
         &["scene", "check", "bad.json", "good.json", "shells.nrrd"],
@@ -538,5 +580,45 @@ fn the_schema_is_the_one_checked_in() {
     assert!(
         printed == fs::read_to_string(path).unwrap(),
         "print it again: CONTRIBUTING.md"
+    );
+}
+
+#[test]
+fn presets_that_do_not_fit_are_noted() {
+    let folder = folder_with_shells();
+    let said = |flags: &[&str]| {
+        let args = ["render", "shells.nrrd", "-o", "p.png", "--size", "8x8"];
+        run(folder.path(), &[&args[..], flags].concat()).err
+    };
+    let in_hounsfield =
+        "the preset ct-bone counts in HU, and the values, 0 to 1, do not look like HU";
+    let replaced = "the window replaces the points of the preset ct-bone";
+    let unnamed = "no segment has a name that the preset anatomy looks for";
+    let bone = said(&["--preset", "ct-bone"]);
+    assert!(
+        bone.contains(in_hounsfield) && !bone.contains(replaced),
+        "{bone}"
+    );
+    let windowed = said(&["--preset", "ct-bone", "--window", "0.5"]);
+    assert!(
+        windowed.contains(replaced) && !windowed.contains(in_hounsfield),
+        "{windowed}"
+    );
+    let anatomy = said(&["--preset", "anatomy", "--layers", "2"]);
+    assert!(anatomy.contains(unnamed), "{anatomy}");
+    for flags in [
+        &["--preset", "solid"][..],
+        &["--preset", "atlas", "--layers", "2"],
+        &[],
+    ] {
+        let other = said(flags);
+        for note in [in_hounsfield, replaced, unnamed] {
+            assert!(!other.contains(note), "{other}");
+        }
+    }
+    let last = bone.lines().last().unwrap_or_default();
+    assert!(
+        last.starts_with("wrote p.png") && last.ends_with(", preset ct-bone"),
+        "{last}"
     );
 }

@@ -502,13 +502,27 @@ fn pictures_tell_no_whole_paths_and_as_little_as_is_wanted() {
             "16x12",
         ];
         let said = |more: &[&str]| run(path, &[&args[..], more].concat()).err;
-        let note = "the picture does not tell where far.nrrd lies";
+        let note = "the picture keeps only the name of far.nrrd";
         assert_eq!(said(&[]).matches(note).count(), 1, "{}", said(&[]));
-        assert!(said(&[]).contains("name the volume behind the picture"));
+        assert!(said(&[]).contains("name the volume after the picture"));
         for more in [&["--anonymous"][..], &["--no-recipe"]] {
-            assert!(!said(more).contains("does not tell"), "{}", said(more));
+            assert!(
+                !said(more).contains("keeps only the name"),
+                "{}",
+                said(more)
+            );
         }
         run_well(path, &args);
+        let lost = run(path, &["render", "out.png", "-o", "again.png"]);
+        assert_eq!(lost.code, Some(1), "{}", lost.err);
+        let why =
+            "out.png carries a scene, not the data: it names far.nrrd, and there is no such file";
+        assert!(lost.err.contains(why), "{}", lost.err);
+        assert!(
+            lost.err.contains("`out.png FOLDER/far.nrrd`"),
+            "{}",
+            lost.err
+        );
         let again = [
             "render",
             "out.png",

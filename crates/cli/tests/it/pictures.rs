@@ -222,7 +222,7 @@ fn flags_say_which_segments_are_drawn() {
         said.contains("every segment is hidden: the picture is empty"),
         "{said}"
     );
-    assert_eq!(said.matches("note").count(), 1, "{said}");
+    assert_eq!(said.matches("note").count(), 2, "{said}");
     let without = run(
         here,
         &[
@@ -239,10 +239,11 @@ fn flags_say_which_segments_are_drawn() {
     assert!(
         without
             .err
-            .contains("segments has no effect without labels"),
+            .contains("--hide is 1, and the volume has no labels; give them with --labels FILE"),
         "{}",
         without.err
     );
+    assert!(without.code == Some(1) && !here.join("w.png").exists());
     let of_preset = [
         "render",
         "shells.nrrd",

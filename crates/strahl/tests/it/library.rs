@@ -89,7 +89,7 @@ fn what_changes_nothing_is_noted() {
     let mida = notes(r#"{ "method": "mida", "threshold": 0.3 }"#);
     assert_eq!(
         mida,
-        "threshold changes nothing: mida does not use it\n\
+        "threshold changes nothing: the method is mida; only first-hit draws a surface at a threshold\n\
          depth changes nothing: mida finds no surface, and there is no mesh"
     );
     assert_eq!(notes(r#"{ "method": "first-hit", "threshold": 0.3 }"#), "");

@@ -81,4 +81,14 @@ impl Format {
     pub fn keeps_place(self) -> bool {
         !matches!(self, Format::Npy | Format::Raw)
     }
+
+    /// Whether it says that numbers are object ids.
+    pub fn marks_labels(self) -> bool {
+        matches!(self, Format::Nifti | Format::NiftiGz | Format::Nrrd)
+    }
+
+    /// Whether it keeps the names and colors of object ids.
+    pub fn keeps_label_names(self) -> bool {
+        self == Format::Nrrd
+    }
 }

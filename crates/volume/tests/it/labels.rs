@@ -60,7 +60,7 @@ fn a_folder_of_other_volumes_is_no_segmentation() {
     for (other, expected) in [
         (
             &scan[..],
-            "organs: not a volume that can be read: the folder has 2 volume files: a.nrrd, b.nrrd; name the one to read (only DICOM series, sequences of pictures, and masks are read as folders); b.nrrd is no mask: it has the values 1 and 2.5",
+            "organs: not a volume that can be read: there are 2 volume files: a.nrrd, b.nrrd; name the one to read (only the files of a DICOM series, of a sequence of pictures, and masks are read together; `objects` of a scene draw several volumes); b.nrrd is no mask: it has the values 1 and 2.5",
         ),
         (&nan, "b.nrrd is no mask: it has values that are no numbers"),
         (larger, "organs: the grid of b.nrrd is 2×1×1 voxels"),
