@@ -16,6 +16,11 @@ use std::process::ExitCode;
 fn main() -> ExitCode {
     set_missing_runtime_folder();
     let flags = flags::Flags::from_command_line();
+    // Where the system gives no more threads, the pool would panic at its first use.
+    if let Err(error) = rayon::ThreadPoolBuilder::new().build_global() {
+        print::message(&format!("error: no threads to work with: {error}"));
+        return ExitCode::FAILURE;
+    }
     // A signal may arrive at any time, also while a file is read or written. Unfinished files are
     // removed here, so that no other code has to check for signals.
     let handler = ctrlc::set_handler(|| {

@@ -74,6 +74,9 @@ pub fn number(value: f64) -> String {
     if value.fract() == 0.0 && value.abs() < 1e15 {
         return thousands(value);
     }
+    if value.is_finite() && value.abs() >= 1e15 {
+        return format!("{value:.5e}");
+    }
     let digits = (5.0 - value.abs().log10().floor()).clamp(0.0, 15.0) as usize;
     let text = format!("{value:.digits$}");
     match text.contains('.') {

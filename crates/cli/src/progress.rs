@@ -48,7 +48,8 @@ impl Progress {
             shown: Mutex::new(Shown::NotYet),
         });
         let later = Arc::downgrade(&state);
-        thread::spawn(move || {
+        // Without a thread for it, progress is shown by nobody.
+        let _ = thread::Builder::new().spawn(move || {
             thread::sleep(PATIENCE);
             if let Some(state) = later.upgrade() {
                 state.show();

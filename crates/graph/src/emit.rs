@@ -128,6 +128,13 @@ pub fn emit(
         emitter.line(1, &format!("hit_mm = {text};"));
     }
     let color = root("color").map_or("vec4f(0.0)".to_owned(), |(_, color)| emitter.operand(color));
+    if let Some(turns) = &emitter.turns {
+        // What a stopped loop gives is not what the graph says. It must not look like a picture.
+        let stopped = format!(
+            "if {turns} > {MOST_TURNS}u {{\n    // Not a number.\n    return vec4f(bitcast<f32>({turns} | 0x7fc00000u));\n}}"
+        );
+        emitter.line(1, &stopped);
+    }
     emitter.line(1, &format!("return {color};"));
     emitter.line(0, "}");
     Ok(EmittedProgram {

@@ -198,6 +198,7 @@ fn parse(file: &str, text: &str) -> Result<GraphText, Error> {
         }
     }
     let plain = String::from_utf8(bytes).unwrap_or_default();
+    strahl_scene::check_json_size(&plain).map_err(|why| wrong(1, 1, why))?;
     let located = |path: &str, error: serde_json::Error| {
         let (line, column) = (error.line(), error.column().max(1));
         let text = error.to_string();

@@ -1,5 +1,6 @@
 //! Text ↔ Scene: JSON with comments and trailing commas.
 
+use crate::json_size::check_json_size;
 use crate::nearest::nearest;
 use crate::{Method, Scene};
 use serde::de::{Deserialize, Deserializer, IgnoredAny, Visitor};
@@ -21,6 +22,14 @@ pub enum Error {
         file: String,
         /// Its length.
         bytes: usize,
+    },
+    /// The text has more objects, lists or elements than a scene can use.
+    #[error("{file}: {why}")]
+    TooMany {
+        /// Name of the text.
+        file: String,
+        /// How many there are.
+        why: String,
     },
     /// The text is not JSON, even with comments.
     #[error("{file}:{line}:{column}: not JSON: {why}")]
@@ -101,6 +110,9 @@ impl Scene {
             });
         }
         let plain = with_lines_of(text, plain);
+        if let Err(why) = check_json_size(&plain) {
+            return Err(Error::TooMany { file, why });
+        }
         let mut scene = read(&file, &plain).map_err(|first| all_mistakes(&file, &plain, first))?;
         // serde also takes an object's values as a list; nobody could read such a scene.
         let as_written: serde_json::Value = serde_json::from_str(&plain)

@@ -34,6 +34,14 @@ pub(crate) fn with_segments(
     let Some(labels) = &headers.labels else {
         return Some(plan);
     };
+    if uses.len().saturating_mul(labels.ids.len()) > MOST_PAIRS {
+        checker.add(
+            "segments",
+            format!("{} entries for {} segments", uses.len(), labels.ids.len()),
+            &format!("fewer entries: entries times segments are at most {MOST_PAIRS}"),
+        );
+        return None;
+    }
     let grid = label_grid(labels, &plan, headers, checker)?;
     check_beside_segments(&plan, scene, checker);
     let own = plan.techniques.swap_remove(0);
@@ -147,10 +155,17 @@ fn with_members(uses: &[SegmentUse], scene: &Scene) -> Vec<SegmentUse> {
     source.with_members(uses)
 }
 
+/// The most entries of `segments` times ids: each is asked about each.
+const MOST_PAIRS: usize = 100_000_000;
+
 /// What a person should know who has the segments of `labels` drawn by `scene`.
 pub fn segment_notes(scene: &Scene, labels: &LabelHeader) -> Vec<String> {
     let (techniques, ..) = merged(scene);
     let uses = scene.segments.as_deref().unwrap_or(&[]);
+    if uses.len().saturating_mul(labels.ids.len()) > MOST_PAIRS {
+        // Refused as soon as a Plan is made.
+        return Vec::new();
+    }
     segment_looks::notes(&with_members(uses, scene), &techniques, labels)
 }
 

@@ -93,10 +93,8 @@ impl SegmentChoice {
         match self {
             SegmentChoice::Id(own) => *own == id,
             SegmentChoice::Name(pattern) if pattern == "*" => id != 0,
-            SegmentChoice::Name(pattern) => {
-                let pattern = pattern.to_lowercase();
-                label.is_some_and(|label| matches(&pattern, &label.name.to_lowercase()))
-            }
+            SegmentChoice::Name(pattern) => label
+                .is_some_and(|label| matches(&pattern.to_lowercase(), &label.name.to_lowercase())),
             SegmentChoice::List(list) => list.iter().any(|choice| choice.has(id, label)),
             SegmentChoice::But(AllBut { not }) => {
                 id != 0 && !not.iter().any(|choice| choice.has(id, label))

@@ -63,17 +63,36 @@ pub fn keys_without_effect(scene: &Scene, plan: &Plan, headers: &Headers) -> Vec
         "lights",
         "nothing is lit",
     );
+    // A method chooses a preset where none is set.
+    let chooses_preset = || {
+        let without = Scene {
+            method: None,
+            ..scene.clone()
+        };
+        !resolve_with(&without, headers).is_ok_and(|other| other == *plan)
+    };
+    let of_scene = || {
+        let mut of = OfTechnique::of_scene(scene);
+        let is_beside_another = scene
+            .functions
+            .as_ref()
+            .is_some_and(|functions| functions.contains_key("composite"));
+        if is_beside_another && of.method.is_some() && chooses_preset() {
+            of.method = None;
+        }
+        of
+    };
     match (&headers.labels, plan.labeled()) {
         (Some(labels), Some(_)) => {
             let names = technique_names(scene, labels);
-            of_segments(scene, plan, &names, &all, &mut keys);
+            of_segments(scene, plan, &of_scene(), &names, &all, &mut keys);
             if !names.iter().any(|name| name == SCENE) {
                 of_unused_looks(scene, plan, headers, &mut keys);
             }
             of_two_level(scene, &two_level_names(scene, labels), &mut keys);
         }
         _ => {
-            of_composite(&OfTechnique::of_scene(scene), &all[0], &mut keys);
+            of_composite(&of_scene(), &all[0], &mut keys);
             of_gradient_input(scene, &all, &mut keys);
             of_functions(scene.functions.as_ref(), plan, &all, &mut keys);
             of_layers(scene, plan, &all, &mut keys);
@@ -276,7 +295,14 @@ fn of_unused_looks(scene: &Scene, plan: &Plan, headers: &Headers, keys: &mut Key
 
 /// Keys of segments, and those of the scene itself, which are the technique `scene`. `names` are those of the techniques
 /// that draw a segment, in the order of `all`.
-fn of_segments(scene: &Scene, plan: &Plan, names: &[String], all: &[Reads], keys: &mut Keys) {
+fn of_segments(
+    scene: &Scene,
+    plan: &Plan,
+    of_scene: &OfTechnique,
+    names: &[String],
+    all: &[Reads],
+    keys: &mut Keys,
+) {
     let reads_of = |name: &str| {
         let number = names.iter().position(|drawn| drawn == name)?;
         all.get(number)
@@ -284,7 +310,7 @@ fn of_segments(scene: &Scene, plan: &Plan, names: &[String], all: &[Reads], keys
     match reads_of(SCENE) {
         Some(reads) => {
             let own = std::slice::from_ref(reads);
-            of_composite(&OfTechnique::of_scene(scene), reads, keys);
+            of_composite(of_scene, reads, keys);
             of_gradient_input(scene, own, keys);
             of_functions_of_segments(scene, plan, own, all, keys);
             if let Some(function) = &scene.transfer_function {

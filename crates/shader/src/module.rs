@@ -648,18 +648,28 @@ impl Text<'_> {
         };
         let parsed = wgsl::Frontend::new_with_options(options).parse(whole);
         let module = parsed.map_err(|error| {
-            let labels = error
+            let found = error
                 .labels()
                 .filter_map(|(span, text)| Some((own(span)?, text.to_owned())));
             let mut notes: Vec<_> = error.notes().map(str::to_owned).collect();
             if error.message().contains("`params`") {
                 notes.push("`params` is there when the module declares `struct Params`".into());
             }
+            let mut labels: Vec<_> = found.collect();
+            let mut message = error.message().to_owned();
+            // The parser's own limit, below ours for brackets in brackets; it names no place.
+            if notes.iter().any(|note| note.contains("recursion limit")) {
+                let (depth, place) = deepest(self.source, &tokens(self.source));
+                message =
+                    format!("the text nests {depth} deep, which the parser of WGSL cannot follow");
+                labels = vec![(place, "here".to_owned())];
+                notes = vec!["brackets in one another are read up to about 120 deep".to_owned()];
+            }
             Error::Text(Box::new(Report {
-                message: error.message().to_owned(),
+                message,
                 file: self.file.to_owned(),
                 source: self.source.into(),
-                labels: labels.collect(),
+                labels,
                 notes,
             }))
         })?;

@@ -110,6 +110,10 @@ pub(crate) fn load_seen(
         true => read_file_under(&name, &recorded, options, control),
         false => read_folder_under(&name, &recorded, options, control),
     };
+    let loaded = loaded.map_err(|error| match paths {
+        [path] if is_file => error.in_folder(path.parent().unwrap_or(Path::new(""))),
+        _ => error,
+    });
     Ok((loaded?, recorded.seen()))
 }
 

@@ -38,6 +38,11 @@ pub enum Note {
         /// Possible reasons; empty if none is known.
         why: Vec<String>,
     },
+    /// Colors that are no light: not numbers, as after a loop of a graph that was stopped, infinite, or below zero.
+    NoLight {
+        /// The number of pixels.
+        pixels: usize,
+    },
     /// The program of a graph was evaluated on the CPU.
     GraphEvaluated,
     /// The program of a function that has no implementation for the CPU was evaluated there.
@@ -81,6 +86,10 @@ impl fmt::Display for Note {
                     false => write!(f, ": {}", why.join("; ")),
                 }
             }
+            Note::NoLight { pixels } => write!(
+                f,
+                "{pixels} pixels are no light: a function of the scene gives NaN, infinite or negative colors, or a loop of a graph was stopped before its end"
+            ),
             Note::GraphEvaluated => {
                 f.write_str("the graph was evaluated on the CPU, which is exact but slow")
             }

@@ -58,6 +58,11 @@ impl Output {
             if metadata.permissions().readonly() {
                 return Err(fail(io::ErrorKind::PermissionDenied.into()));
             }
+            #[cfg(unix)]
+            if std::os::unix::fs::FileTypeExt::is_fifo(&metadata.file_type()) {
+                // Opening it would wait for a reader, perhaps for ever.
+                return Err(Error::not_usable(target, "is a pipe, not a file to write"));
+            }
             if !metadata.is_file() {
                 let device = OpenOptions::new().write(true).open(target).map_err(fail)?;
                 return Ok(Output {

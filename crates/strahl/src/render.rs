@@ -356,6 +356,7 @@ impl<'a> Render<'a> {
         let mut notes = self.notes(&scene, &plan, &headers, data.notes);
         notes.extend(drawn.notes);
         notes.extend(of_clips(&session, &scene, &plan, &datasets, control)?);
+        notes.extend(of_colors(&drawn.rendered.image));
         notes.extend(of_emptiness(&drawn.rendered, &plan, &headers));
         Ok(Picture {
             image: drawn.rendered.image,
@@ -613,6 +614,17 @@ fn has_depth(plan: &plan::Plan) -> bool {
         || !plan.modules.is_empty()
         || plan.labeled().is_some()
         || plan.drawn_techniques().any(reports)
+}
+
+/// A note if pixels have colors that no light has.
+fn of_colors(image: &Image) -> Option<Note> {
+    // Rounding may leave a little less than nothing.
+    let is_light = |number: f32| number.is_finite() && number > -1e-3;
+    let is_wrong = |pixel: &&[f32; 4]| !pixel.iter().all(|number| is_light(*number));
+    match image.pixels().iter().filter(is_wrong).count() {
+        0 => None,
+        pixels => Some(Note::NoLight { pixels }),
+    }
 }
 
 /// A note if the picture shows nothing but its background.

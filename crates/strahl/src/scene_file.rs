@@ -4,6 +4,7 @@ use crate::confinement::{Confinement, open_regular};
 use crate::picture::{CarriedFiles, MadeFrom, SOFTWARE, is_cut_off};
 use crate::{Error, Recipe, scene_graph};
 use std::cell::RefCell;
+use std::collections::BTreeMap;
 use std::collections::BTreeSet;
 use std::fs;
 use std::io::Read;
@@ -139,6 +140,9 @@ fn is_graph(name: &str, text: &str) -> bool {
     }
     let mut plain = text.strip_prefix('\u{feff}').unwrap_or(text).to_owned();
     let is_plain = json_strip_comments::strip(&mut plain).is_ok();
+    if strahl_scene::check_json_size(&plain).is_err() {
+        return false;
+    }
     let keys = serde_json::from_str::<serde_json::Map<String, serde_json::Value>>(&plain);
     is_plain && keys.is_ok_and(|keys| keys.contains_key("strahl_graph"))
 }
@@ -272,15 +276,59 @@ fn tell_from(folder: &Path) -> impl Fn(&mut String) {
     }
 }
 
-/// `scene` without what may say whose data it shows.
+/// `scene` without what may say whose data it shows: files and folders have numbers for names. Names that the scene gives
+/// to segments, techniques and objects stay.
 pub(crate) fn anonymous(scene: &Scene) -> Scene {
-    let mut scene = with_paths(scene, |path| *path = last_name(path));
+    let names = RefCell::new(BTreeMap::new());
+    let mut scene = with_paths(scene, |path| {
+        let mut names = names.borrow_mut();
+        let number = names.len() + 1;
+        let name = names
+            .entry(path.clone())
+            .or_insert_with(|| format!("data-{number}{}", known_ending(path)));
+        *path = String::clone(name);
+    });
     let objects = scene.objects.iter_mut().flatten();
     let of_objects = objects.filter_map(|object| object.volume.as_mut());
     for volume in scene.volume.as_mut().into_iter().chain(of_objects) {
         volume.series = None;
     }
     scene
+}
+
+/// The ending that says the format of a file, if it has one of those.
+fn known_ending(path: &str) -> &'static str {
+    const ENDINGS: [&str; 26] = [
+        ".seg.nrrd",
+        ".nii.gz",
+        ".nii",
+        ".hdr",
+        ".img",
+        ".nrrd",
+        ".nhdr",
+        ".mha",
+        ".mhd",
+        ".dcm",
+        ".tif",
+        ".tiff",
+        ".png",
+        ".bmp",
+        ".jpg",
+        ".mgz",
+        ".mgh",
+        ".vti",
+        ".vtk",
+        ".mrc",
+        ".npy",
+        ".npz",
+        ".obj",
+        ".stl",
+        ".wgsl",
+        ".json",
+    ];
+    let path = path.to_ascii_lowercase();
+    let ending = ENDINGS.into_iter().find(|ending| path.ends_with(ending));
+    ending.unwrap_or("")
 }
 
 fn last_name(path: &str) -> String {

@@ -2,6 +2,7 @@
 
 use crate::control::{Cancelled, OverBudget};
 use std::fmt;
+use std::path::Path;
 
 /// An error of this crate: what went wrong and, once a reader has said so, in which file.
 #[derive(Debug)]
@@ -151,6 +152,15 @@ impl Error {
     pub fn in_file(mut self, file: &str) -> Error {
         if !self.is_cancelled() {
             self.file.get_or_insert_with(|| file.to_owned());
+        }
+        self
+    }
+
+    /// The same error, with `folder` before the name of its file.
+    #[must_use]
+    pub fn in_folder(mut self, folder: &Path) -> Error {
+        if let Some(file) = &mut self.file {
+            *file = folder.join(&*file).display().to_string();
         }
         self
     }

@@ -203,6 +203,12 @@ impl Phantom {
     /// As [`Phantom::volume`]; it was cancelled.
     pub fn volume_under(&self, dims: [usize; 3], control: &Control) -> Result<Volume, Error> {
         let grid = self.grid(dims)?;
+        let sample_bytes = match self {
+            Phantom::MarschnerLobb | Phantom::Ramp => 4,
+            Phantom::Fog | Phantom::Anatomy => 2,
+            _ => 1,
+        };
+        control.has_room(sample_bytes * grid.voxel_count() as u64)?;
         let rescale = match self {
             Phantom::MarschnerLobb | Phantom::Ramp | Phantom::Anatomy => Rescale::IDENTITY,
             Phantom::Fog => Rescale::new(1.0 / 65535.0, 0.0),

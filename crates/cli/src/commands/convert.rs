@@ -17,7 +17,8 @@ pub fn run(flags: &ConvertFlags, quiet: bool) -> Result<()> {
         .file_name()
         .and_then(|name| name.to_str())
         .with_context(|| format!("{}: not the name of a file", path.display()))?;
-    // Both before the long work.
+    // All of it before the long work.
+    super::draw::refuse_to_replace(path, flags.inputs.iter().chain(&flags.labels.label_table))?;
     let format = Format::of_name(name)?;
     drop(Output::create(path)?);
     let mut loaded = load_components(

@@ -23,9 +23,41 @@ use strahl::{
 };
 
 pub fn render(flags: &RenderFlags, quiet: bool) -> Result<()> {
+    let own = flags.inputs.first().filter(|first| is_own_picture(first));
+    let others = flags.inputs.iter().filter(|input| Some(*input) != own);
+    let read = others.chain(&flags.draw.labels).chain(&flags.draw.graph);
+    refuse_to_replace(&flags.output, read)?;
     let subject = subject_within(&flags.inputs, &flags.read, &flags.trust, quiet)?;
     let drawn = draw(subject, &flags.draw, &flags.file, &flags.output, quiet);
     drawn.map_err(|error| of_missing_data(error, &flags.inputs))
+}
+
+/// Whether a file is a picture with a scene, which may be drawn again in its place.
+fn is_own_picture(path: &Path) -> bool {
+    crate::flags::is_picture(path) && matches!(strahl::Recipe::of_file(path), Ok(Some(_)))
+}
+
+/// Refuses to write where something is read, also behind links.
+pub fn refuse_to_replace<'p>(
+    output: &Path,
+    mut read: impl Iterator<Item = &'p PathBuf>,
+) -> Result<()> {
+    let Ok(target) = output.canonicalize() else {
+        return Ok(());
+    };
+    let is_target = |path: &&PathBuf| path.canonicalize().is_ok_and(|real| real == target);
+    match read.find(is_target) {
+        Some(path) => bail!(
+            "{} is {}, which is read: it would be lost; write another file",
+            output.display(),
+            if path == output {
+                "the input".to_owned()
+            } else {
+                format!("the same file as {}", path.display())
+            }
+        ),
+        None => Ok(()),
+    }
 }
 
 /// Says of a file that a picture names, and that is not where it says, how to name it.
@@ -93,15 +125,8 @@ pub fn subject_within(
     let mut source = VolumeSource::default();
     let render = match SceneFile::open_within(first, confinement.as_ref())? {
         Some(file) => {
-            if let Some(software) = file.software.as_ref().filter(|s| **s != strahl::SOFTWARE) {
-                print::note(
-                    &format!(
-                        "{} was made by {software}, this is {}; it may look different",
-                        first.display(),
-                        strahl::SOFTWARE
-                    ),
-                    quiet,
-                );
+            if let Some(software) = &file.software {
+                note_other_software(first, software, quiet);
             }
             note_cut(&file, quiet);
             if others.is_empty() {
@@ -141,6 +166,30 @@ fn check_labels_are_there(flags: &DrawFlags, notes: &[Note]) -> Result<()> {
         ),
         false => Ok(()),
     }
+}
+
+/// Says that another version has made a picture, or something else that calls itself so.
+fn note_other_software(picture: &Path, software: &str, quiet: bool) {
+    /// Of a name that came with a file.
+    const MOST_CHARS: usize = 60;
+    if software.eq_ignore_ascii_case(strahl::SOFTWARE) {
+        return;
+    }
+    let maker = match software.trim() {
+        "" => "something that does not tell its name".to_owned(),
+        name if name.chars().count() > MOST_CHARS => {
+            format!("{} …", name.chars().take(MOST_CHARS).collect::<String>())
+        }
+        name => name.to_owned(),
+    };
+    print::note(
+        &format!(
+            "{} was made by {maker}, this is {}; it may look different",
+            picture.display(),
+            strahl::SOFTWARE
+        ),
+        quiet,
+    );
 }
 
 /// Says that a picture is cut off whose scene is used.
@@ -196,7 +245,7 @@ fn draw(
     }
     let budget = args::budget(&file.limits)?;
     if let Some(seconds) = file.limits.max_time {
-        end_after(seconds);
+        end_after(seconds)?;
     }
     // Before the long work, so that a place that cannot be written is found first.
     let output = Output::create(path)?;
@@ -283,7 +332,11 @@ fn draw(
 
 /// What to print of `notes`, with what to do. Keys that change nothing for the same reason share one.
 pub fn notes<'n>(notes: impl Iterator<Item = &'n Note>) -> Vec<String> {
-    let mut texts = Vec::new();
+    /// More would not be read.
+    const MOST: usize = 40;
+    let mut texts: Vec<String> = Vec::new();
+    // How often each of them stands there.
+    let mut repeated = Vec::new();
     // Where each reason stands, and which keys it has.
     let mut reasons: Vec<(usize, &str, Vec<&str>)> = Vec::new();
     for note in notes {
@@ -296,18 +349,37 @@ pub fn notes<'n>(notes: impl Iterator<Item = &'n Note>) -> Vec<String> {
             }
             reasons.push((texts.len(), why, vec![key]));
         }
-        texts.push(match remedy::of_note(note) {
+        let text = match remedy::of_note(note) {
             Some(remedy) => format!("{note}; {remedy}"),
             None => note.to_string(),
-        });
+        };
+        match texts.iter().position(|known| *known == text) {
+            Some(at) => repeated[at] += 1,
+            None => {
+                texts.push(text);
+                repeated.push(1);
+            }
+        }
+    }
+    for (text, times) in texts
+        .iter_mut()
+        .zip(repeated)
+        .filter(|(_, times)| *times > 1)
+    {
+        text.push_str(&format!(" ({times} times)"));
+    }
+    if texts.len() > MOST {
+        let more = texts.len() - MOST;
+        texts.truncate(MOST);
+        texts.push(format!("{more} more notes are left out"));
     }
     texts
 }
 
 /// Ends the program after so many seconds, wherever it is then.
-fn end_after(seconds: f64) {
+fn end_after(seconds: f64) -> Result<()> {
     let limit = Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX);
-    std::thread::spawn(move || {
+    let clock = std::thread::Builder::new().spawn(move || {
         std::thread::sleep(limit);
         strahl::abandon_outputs();
         print::message(&format!(
@@ -315,6 +387,12 @@ fn end_after(seconds: f64) {
         ));
         std::process::exit(1);
     });
+    match clock {
+        Ok(_) => Ok(()),
+        Err(error) => {
+            bail!("--max-time is {seconds}, and there is no thread for its clock: {error}")
+        }
+    }
 }
 
 /// Writes the picture of a stage, which has no recipe: no scene gives it alone.

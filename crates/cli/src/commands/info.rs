@@ -15,6 +15,9 @@ use strahl::volume::{Grid, Modality, Samples, Statistics, Volume, VolumeHeader};
 /// Shares of the voxels for which quantiles are printed.
 const QUANTILES: [f64; 5] = [0.01, 0.25, 0.5, 0.75, 0.99];
 
+/// Keys of the header that are printed.
+const MOST_ENTRIES: usize = 100;
+
 pub fn run(flags: &InfoFlags, quiet: bool) -> Result<()> {
     if flags.adapters {
         return adapters(flags.json);
@@ -31,9 +34,13 @@ pub fn run(flags: &InfoFlags, quiet: bool) -> Result<()> {
         &flags.memory,
         quiet,
     )?;
-    if flags.anonymous {
-        loaded.volume = loaded.volume.anonymous();
-    }
+    let name = match flags.anonymous {
+        true => {
+            loaded.volume = loaded.volume.anonymous();
+            "volume".to_owned()
+        }
+        false => name,
+    };
     let mut content = Content::of(loaded);
     if let [picture] = flags.volume.as_slice()
         && crate::flags::is_picture(picture)
@@ -204,8 +211,22 @@ fn as_text(name: &str, content: &Content) -> String {
     }
     if !metadata.entries.is_empty() {
         text.push_str("\n  from the header:\n");
-        for (key, value) in &metadata.entries {
+        // Those of segments are in the list of labels.
+        let is_of_segment = |key: &str| {
+            let rest = key.strip_prefix("Segment");
+            rest.is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_digit()))
+        };
+        let has_labels = content.labels.is_some();
+        let (of_segments, others): (Vec<_>, Vec<_>) = metadata
+            .entries
+            .iter()
+            .partition(|(key, _)| has_labels && is_of_segment(key));
+        for (key, value) in others.iter().take(MOST_ENTRIES) {
             let _ = writeln!(text, "    {key}: {value}");
+        }
+        let left_out = of_segments.len() + others.len().saturating_sub(MOST_ENTRIES);
+        if left_out > 0 {
+            let _ = writeln!(text, "    … and {left_out} more; --json prints them");
         }
     }
     if let Some(labels) = &content.labels {

@@ -123,7 +123,7 @@ pub struct DrawFlags {
 
     /// Color map over the value window
     #[arg(long, value_name = "MAP",
-          value_parser = PossibleValuesParser::new(ColorMap::ALL.map(|map| with_gray(map.name()))))]
+          value_parser = PossibleValuesParser::new(ColorMap::ALL.map(|map| with_gray(map.name()))), hide_short_help = true)]
     pub color_map: Option<String>,
 
     /// Opacity at the low and the high end of the value window, each 0 to 1
@@ -137,7 +137,7 @@ pub struct DrawFlags {
 
     /// Shading model; unlit shows the plain colors
     #[arg(long, alias = "shading", value_name = "MODEL",
-          value_parser = PossibleValuesParser::new(ShadingModel::ALL.map(ShadingModel::name)))]
+          value_parser = PossibleValuesParser::new(ShadingModel::ALL.map(ShadingModel::name)), hide_short_help = true)]
     pub shade: Option<String>,
 
     /// Draw the segments of this label volume, each in its own color

@@ -85,7 +85,7 @@ fn short_help_fits_on_a_screen() {
     for command in ["render", "demo"] {
         let short = run_well(folder.path(), &[command, "-h"]);
         let lines = short.lines().count();
-        assert!(lines <= 54, "{lines} lines: {short}");
+        assert!(lines <= 56, "{lines} lines: {short}");
         assert!(!short.contains("--white-point"), "{short}");
         let long = run_well(folder.path(), &[command, "--help"]);
         assert!(long.contains("--white-point"), "{long}");

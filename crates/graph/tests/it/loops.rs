@@ -255,7 +255,16 @@ fn a_loop_that_may_not_end_is_ended() {
         "next": { "wgsl": "fn next(i: u32) -> u32 { return i + 1u; }", "inputs": { "i": "walk.i" } },
         "turns": { "pattern": "number_of_index", "inputs": { "index": "walk.last.i" } }"#;
     let text = showing(nodes, "turns");
-    assert_eq!(computed(&text)[0], strahl_shader::MOST_TURNS as f32);
+    // Nobody shall take what it has got to for what it means.
+    assert!(computed(&text).iter().all(|number| number.is_nan()));
+    let turns = |n: u32| {
+        text.replace("\"pattern\": \"above\", \"inputs\": { \"a\": \"n\" }", &format!(
+        "\"wgsl\": \"fn below(i: u32) -> bool {{ return i < {n}u; }}\", \"inputs\": {{ \"i\": \"walk.i\" }}"
+    ))
+    };
+    let most = strahl_shader::MOST_TURNS;
+    assert_eq!(computed(&turns(most - 1))[0], (most - 1) as f32);
+    assert!(computed(&turns(most + 1))[0].is_nan());
 }
 
 #[test]

@@ -124,9 +124,9 @@ fn a_rule_for_samples_in_place_of_one_for_runs_is_sent_to_its_key() {
 
 #[test]
 fn deep_and_long_texts_are_refused() {
-    let deep = format!("{{ \"clips\": {} }}", "[".repeat(100_000));
+    let deep = format!("{{ \"clips\": {} }}", "[".repeat(90_000));
     assert!(message(&deep).starts_with("scene.json:1:"));
-    let nested = format!("{{ \"nothing\": {} }}", "{\"a\":".repeat(100_000));
+    let nested = format!("{{ \"nothing\": {} }}", "{\"a\":".repeat(90_000));
     assert!(message(&nested).starts_with("scene.json:1:"));
     let long = " ".repeat(20 << 20);
     assert!(message(&long).contains("at most"));

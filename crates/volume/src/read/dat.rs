@@ -14,17 +14,21 @@
 //! Keys in any case and order, `#` starts a comment. `USHORT` with 12 used bits stays `USHORT`.
 
 use super::block::{Encoding, Endian};
+use super::data_files;
 use super::header_lines::{self, HeaderLines};
 use super::raw::Layout;
 use super::sniff::{self, Kind};
-use super::{Input, LoadedVolume, ReadOptions, unoriented};
+use super::{Bytes, Input, LoadedVolume, ReadOptions, unoriented};
 use crate::error::{Error, ErrorKind};
 use crate::{Metadata, Rescale, SampleType, Volume};
+
+/// The key that names the file with the samples.
+const RAW_FILE: &str = "ObjectFileName";
 
 pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<LoadedVolume, Error> {
     let header = Header::read(input)?;
     let raw_name = header_lines::required(
-        "ObjectFileName",
+        RAW_FILE,
         header.raw_file,
         "it names the file with the samples, such as `ObjectFileName: engine.raw`",
     )?;
@@ -53,22 +57,19 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<LoadedVolume,
         header_bytes: header.header_bytes,
     };
 
-    let raw_name = beside(input, &raw_name);
-    let samples = input
-        .files
-        .open(&raw_name)
-        .map_err(Error::from)
-        .and_then(|bytes| {
-            let packed = raw_name.to_ascii_lowercase().ends_with(".gz")
-                && sniff::kind(&*bytes)? == Some(Kind::Packed(Encoding::Gzip));
-            let encoding = if packed {
-                Encoding::Gzip
-            } else {
-                Encoding::Raw
-            };
-            layout.read(&*bytes, encoding)
-        })
-        .map_err(|error| error.in_file(&raw_name))?;
+    let mut notes = Vec::new();
+    let (raw_name, bytes) = data_files::open(input, RAW_FILE, &raw_name, &mut notes)?;
+    let read = |bytes: &dyn Bytes| {
+        let packed = raw_name.to_ascii_lowercase().ends_with(".gz")
+            && sniff::kind(bytes)? == Some(Kind::Packed(Encoding::Gzip));
+        let encoding = if packed {
+            Encoding::Gzip
+        } else {
+            Encoding::Raw
+        };
+        layout.read(bytes, encoding)
+    };
+    let samples = read(&*bytes).map_err(|error| error.in_file(&raw_name))?;
 
     let volume = Volume::new(
         grid,
@@ -86,7 +87,7 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<LoadedVolume,
     Ok(LoadedVolume {
         volume,
         labels: None,
-        notes: Vec::new(),
+        notes,
     })
 }
 
@@ -185,25 +186,34 @@ fn sample_type(key: &str, value: &str) -> Result<SampleType, Error> {
     })
 }
 
-/// The name of the raw file among the input's siblings: without its folder, and in the case that
-/// is there (headers that were written on Windows often have another).
-fn beside(input: &Input, name: &str) -> String {
-    let name = name.rsplit(['/', '\\']).next().unwrap_or(name);
-    let names = input.files.names();
-    names
-        .iter()
-        .find(|n| *n == name)
-        .or_else(|| names.iter().find(|n| n.eq_ignore_ascii_case(name)))
-        .cloned()
-        .unwrap_or_else(|| name.to_owned())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::Samples;
     use crate::read::{MemoryFiles, read_file};
     use std::io::Write;
+
+    #[test]
+    fn samples_in_a_folder_below_are_those_that_are_named() {
+        let files = MemoryFiles::from([
+            (
+                "head.dat".to_owned(),
+                HEADER
+                    .replace("C:\\scans\\Head.raw", "data/head.raw")
+                    .into_bytes(),
+            ),
+            ("head.raw".to_owned(), vec![0; SAMPLES.len()]),
+            ("data/head.raw".to_owned(), SAMPLES.to_vec()),
+        ]);
+        let below = read_file("head.dat", &files, &ReadOptions::default()).unwrap();
+        let beside = load(HEADER, ("head.raw", &SAMPLES)).unwrap();
+        assert_eq!(below.volume.samples(), beside.volume.samples());
+        let above = HEADER.replace("C:\\scans\\Head.raw", "../head.raw");
+        let error = load(&above, ("head.raw", &SAMPLES))
+            .unwrap_err()
+            .to_string();
+        assert!(error.contains("ObjectFileName is `../head.raw`"), "{error}");
+    }
 
     fn load(header: &str, raw: (&str, &[u8])) -> Result<LoadedVolume, Error> {
         let files = MemoryFiles::from([
@@ -274,7 +284,10 @@ mod tests {
             ),
             (HEADER.replace(": I", ": RGBA"), "`ObjectModel: RGBA`"),
             (HEADER.replace("EQUIDISTANT", "TETRAHEDRA"), "TETRAHEDRA"),
-            (HEADER.replace("Head.raw", "Other.raw"), "Other.raw: "),
+            (
+                HEADER.replace("Head.raw", "Other.raw"),
+                "there is no Other.raw",
+            ),
             (
                 HEADER.replace("NbrTags: 0", "no colon here"),
                 "`no colon here`",

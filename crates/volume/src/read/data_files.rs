@@ -177,7 +177,21 @@ pub(crate) fn open<'a>(
             ));
         }
     };
-    match input.files.open(&name) {
+    let (name, opened) = match input.files.open(&name) {
+        // Headers that were written on Windows often have another case.
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
+            let names = input.files.names();
+            match names.into_iter().find(|n| n.eq_ignore_ascii_case(&name)) {
+                Some(other) => {
+                    let opened = input.files.open(&other);
+                    (other, opened)
+                }
+                None => (name, Err(error)),
+            }
+        }
+        opened => (name, opened),
+    };
+    match opened {
         Ok(bytes) => Ok((name, bytes)),
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => Err(Error::field(
             field,
@@ -216,6 +230,9 @@ fn place_of(path: &str) -> Named {
             }
             part => parts.push(part),
         }
+    }
+    if parts.is_empty() {
+        return Named::Outside;
     }
     if path.starts_with(['/', '\\']) || is_drive {
         return Named::FromTheRoot(parts.last().copied().unwrap_or_default().to_owned());

@@ -156,7 +156,7 @@ pub(crate) fn read_file(input: &Input, options: &ReadOptions) -> Result<LoadedVo
         bytes: input.bytes,
     };
     if uid.is_empty() || image.frames()? > 1 {
-        return assemble(vec![image], &alone, options, Vec::new());
+        return assemble(vec![image], None, &alone, options, Vec::new());
     }
     let scan = series::scan(input.files, input.files.names())?;
     let found = scan
@@ -165,7 +165,7 @@ pub(crate) fn read_file(input: &Input, options: &ReadOptions) -> Result<LoadedVo
         .position(|(_, images)| images.iter().any(|other| other.name == input.name));
     // Not found there: the file was packed, its bytes are known to us alone.
     let Some(index) = found else {
-        return assemble(vec![image], &alone, options, Vec::new());
+        return assemble(vec![image], None, &alone, options, Vec::new());
     };
     let mut notes = Vec::new();
     let damaged = damaged(scan.damaged, &uid, &mut notes);
@@ -176,13 +176,13 @@ pub(crate) fn read_file(input: &Input, options: &ReadOptions) -> Result<LoadedVo
         notes.insert(
             0,
             format!(
-                "{} is one of {} files of its series; all were read",
+                "{} is one of {} files of its series, which make one volume",
                 input.name,
                 images.len()
             ),
         );
     }
-    assemble(images, input.files, options, notes)
+    assemble(images, Some(input.name), input.files, options, notes)
 }
 
 /// Contours, on the grid of the images on which they were drawn if those are there.
@@ -208,7 +208,7 @@ fn read_structure_set(
         .find(|(summary, _)| is_wanted(&summary.uid));
     let grid = match found {
         Some((summary, mut images)) => {
-            drop_copies(&mut images, &mut notes);
+            drop_copies(&mut images, None, &mut notes);
             let arranged = arranged(&images, options, &mut notes)?;
             notes.push(format!(
                 "the grid is that of the {} slices of the series {} in the folder",
@@ -240,7 +240,7 @@ fn read_scan(
     let (summary, images, rest) = scan.pick(options.series.as_deref())?;
     let mut notes = rest.notes;
     damaged(rest.damaged, &summary.uid, &mut notes)?;
-    let mut loaded = assemble(images, files, options, notes)?;
+    let mut loaded = assemble(images, None, files, options, notes)?;
     if summary.description.is_empty() {
         let (grid, samples, rescale, mut metadata) = loaded.volume.into_parts();
         metadata.name = name.to_owned();
@@ -284,14 +284,15 @@ impl Files for SingleFile<'_> {
     }
 }
 
-/// The volume that the images of one series make.
+/// The volume that the images of one series make, of which somebody has `asked` for one.
 fn assemble(
     mut images: Vec<Image>,
+    asked: Option<&str>,
     files: &dyn Files,
     options: &ReadOptions,
     mut notes: Vec<String>,
 ) -> Result<LoadedVolume, Error> {
-    drop_copies(&mut images, &mut notes);
+    drop_copies(&mut images, asked, &mut notes);
     if let [image] = &images[..]
         && segmentation::is_segmentation(image.set())
     {
@@ -395,19 +396,44 @@ fn note_mislabeled(images: &[Image], notes: &mut Vec<String>) {
     }
 }
 
-/// The same image in two files, as exports with several folders have it, counts once.
-fn drop_copies(images: &mut Vec<Image>, notes: &mut Vec<String>) {
+/// The same image in two files, as exports with several folders have it, counts once: that in the file `asked`, or the
+/// first.
+fn drop_copies(images: &mut Vec<Image>, asked: Option<&str>, notes: &mut Vec<String>) {
+    let uid_of = |image: &Image| image.set().text(tags::SOP_INSTANCE_UID);
+    let of_asked = images
+        .iter()
+        .find(|image| Some(&*image.name) == asked)
+        .and_then(uid_of);
     let mut seen = BTreeMap::new();
-    let before = images.len();
-    images.retain(|image| match image.set().text(tags::SOP_INSTANCE_UID) {
-        Some(uid) => seen.insert(uid, ()).is_none(),
-        None => true,
+    let mut left_out: Vec<(String, String)> = Vec::new();
+    images.retain(|image| {
+        let Some(uid) = uid_of(image) else {
+            return true;
+        };
+        if Some(&uid) == of_asked.as_ref() && Some(&*image.name) != asked {
+            left_out.push((image.name.clone(), asked.unwrap_or_default().to_owned()));
+            return false;
+        }
+        match seen.get(&uid) {
+            Some(first) => {
+                left_out.push((image.name.clone(), String::clone(first)));
+                false
+            }
+            None => {
+                seen.insert(uid, image.name.clone());
+                true
+            }
+        }
     });
-    if images.len() < before {
-        notes.push(format!(
-            "{} files are copies of others (same SOPInstanceUID) and were left out",
-            before - images.len()
-        ));
+    match left_out.as_slice() {
+        [] => {}
+        [(name, read)] => notes.push(format!(
+            "{name} has the SOPInstanceUID of {read} and was left out"
+        )),
+        [(name, read), ..] => notes.push(format!(
+            "{} files have the SOPInstanceUID of others and were left out, such as {name} for {read}",
+            left_out.len()
+        )),
     }
 }
 

@@ -151,6 +151,12 @@ pub(crate) fn read(input: &Input, options: &ReadOptions) -> Result<LoadedVolume,
         components: meaning.of(numbers),
         ..header.metadata(input.name, time_points, options.time_index)
     };
+    if header.scl_slope.is_infinite() {
+        notes.push(format!(
+            "scl_slope is {}; values are the stored numbers",
+            header.scl_slope
+        ));
+    }
     let rescale = Rescale::new(header.scl_slope, header.scl_inter);
     Ok(LoadedVolume {
         volume: Volume::new(grid, samples, rescale, metadata)?,

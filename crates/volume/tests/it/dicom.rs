@@ -1601,3 +1601,49 @@ fn the_size_that_jpeg_2000_decodes_is_the_one_that_is_checked() {
         assert!(said.contains(words), "{said}");
     }
 }
+
+/// Two files with one identity but other values: whoever names one of them gets that one.
+#[test]
+fn the_file_that_is_asked_for_is_read() {
+    let set = |k: u16, value: u16| {
+        let mut set = image(1, 1, &[value]);
+        set.text((8, 0x18), b"UI", &format!("9.{k}"))
+            .text(POSITION, b"DS", &format!("0\\0\\{k}"));
+        set.file()
+    };
+    let files = MemoryFiles::from([
+        ("a.dcm".to_owned(), set(0, 10)),
+        ("b.dcm".to_owned(), set(0, 20)),
+        ("c.dcm".to_owned(), set(1, 30)),
+    ]);
+    let options = ReadOptions::default();
+    for (name, expected, left_out) in [
+        (
+            "a.dcm",
+            [10, 30],
+            "b.dcm has the SOPInstanceUID of a.dcm and was left out",
+        ),
+        (
+            "b.dcm",
+            [20, 30],
+            "a.dcm has the SOPInstanceUID of b.dcm and was left out",
+        ),
+        (
+            "c.dcm",
+            [10, 30],
+            "b.dcm has the SOPInstanceUID of a.dcm and was left out",
+        ),
+    ] {
+        let loaded = strahl_volume::read::read_file(name, &files, &options).unwrap();
+        assert_eq!(samples(&loaded), expected, "{name}");
+        assert!(
+            loaded.notes.iter().any(|note| note == left_out),
+            "{:?}",
+            loaded.notes
+        );
+    }
+    assert_eq!(
+        samples(&read_folder("series", &files, &options).unwrap()),
+        [10, 30]
+    );
+}
