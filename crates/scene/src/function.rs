@@ -149,7 +149,7 @@ fn of_library(
     let function = match Function::named(slot, &wanted.module) {
         Ok(function) => function,
         Err(error) => {
-            let names: Vec<&str> = Function::of_slot(slot).map(|f| &*f.name).collect();
+            let names: Vec<&str> = Function::of_slot(slot).map(|f| f.name).collect();
             let allowed = match names.is_empty() {
                 true => error.to_string(),
                 false => format!("{}, or a file that ends in .wgsl", names.join(", ")),

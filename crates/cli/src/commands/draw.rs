@@ -159,7 +159,7 @@ fn check_labels_are_there(flags: &DrawFlags, notes: &[Note]) -> Result<()> {
     let Some((flag, texts)) = flag.into_iter().find(|(_, texts)| !texts.is_empty()) else {
         return Ok(());
     };
-    match notes.iter().any(|note| *note == Note::NoLabels) {
+    match notes.contains(&Note::NoLabels) {
         true => bail!(
             "{flag} is {}, and the volume has no labels; give them with --labels FILE, or draw intervals of values with --layers",
             texts[0]
