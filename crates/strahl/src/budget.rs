@@ -117,13 +117,21 @@ mod tests {
         for part in ["64 × 48", "step", "limit"] {
             assert!(said.contains(part), "{said}");
         }
-        let render = render.budget(Budget {
-            memory_bytes: 10_000,
+        // 128³ voxels of a byte: no room for them, or for nothing beside them.
+        let with = |memory_bytes: u64| Budget {
+            memory_bytes,
             ..Budget::UNLIMITED
-        });
+        };
+        let render = render.budget(with(10_000));
         let said = render.picture().unwrap_err().to_string();
         assert!(
-            said.contains("10000 bytes") && said.contains("64 × 48"),
+            said.contains("2097152 bytes") && said.contains("10000 bytes"),
+            "{said}"
+        );
+        let render = render.budget(with(2_100_000));
+        let said = render.picture().unwrap_err().to_string();
+        assert!(
+            said.contains("2.0 MiB") && said.contains("64 × 48"),
             "{said}"
         );
         render.budget(Budget::UNLIMITED).picture().unwrap();
