@@ -310,8 +310,13 @@ fn keys_that_other_keys_overrule_are_named() {
         (r#"{ "frames": 4 }"#, &["frames"][..]),
         (r#"{ "frames": 4, "jitter": { "seed": 1 } }"#, &[]),
         (r#"{ "frames": 1 }"#, &[]),
+        // It chooses the preset.
         (
             r#"{ "method": "mip", "functions": { "composite": { "module": "mida" } } }"#,
+            &[],
+        ),
+        (
+            r#"{ "preset": "grey", "method": "emission-absorption", "functions": { "composite": { "module": "mida" } } }"#,
             &["method"],
         ),
         (
