@@ -264,6 +264,7 @@ pub(crate) fn notes(uses: &[SegmentUse], all: &Techniques, labels: &LabelHeader)
 }
 
 fn notes_of(path: &str, uses: &[SegmentUse], labels: &LabelHeader, notes: &mut Vec<String>) {
+    let mut said = BTreeSet::new();
     for (i, used) in uses.iter().enumerate() {
         let mut missing = Vec::new();
         used.of.without_segments(labels, &mut missing);
@@ -294,7 +295,7 @@ fn notes_of(path: &str, uses: &[SegmentUse], labels: &LabelHeader, notes: &mut V
             let near = near.map_or(String::new(), |near| format!("; did you mean {near:?}?"));
             let note = format!("no segment has {what}{near}");
             // The same choice in two entries is one mistake.
-            if !notes.iter().any(|known| known.ends_with(&note)) {
+            if said.insert(note.clone()) {
                 notes.push(format!("{path}[{i}].of: {note}"));
             }
         }

@@ -9,6 +9,7 @@ use crate::progress::{Progress, Stages};
 use crate::remedy;
 use anyhow::{Error, Result, anyhow, bail};
 use serde_json::{Value, json};
+use std::collections::HashMap;
 use std::io::ErrorKind;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -335,8 +336,9 @@ pub fn notes<'n>(notes: impl Iterator<Item = &'n Note>) -> Vec<String> {
     /// More would not be read.
     const MOST: usize = 40;
     let mut texts: Vec<String> = Vec::new();
-    // How often each of them stands there.
-    let mut repeated = Vec::new();
+    // How often each of them stands there, and where.
+    let mut repeated: Vec<usize> = Vec::new();
+    let mut places: HashMap<String, usize> = HashMap::new();
     // Where each reason stands, and which keys it has.
     let mut reasons: Vec<(usize, &str, Vec<&str>)> = Vec::new();
     for note in notes {
@@ -353,9 +355,10 @@ pub fn notes<'n>(notes: impl Iterator<Item = &'n Note>) -> Vec<String> {
             Some(remedy) => format!("{note}; {remedy}"),
             None => note.to_string(),
         };
-        match texts.iter().position(|known| *known == text) {
-            Some(at) => repeated[at] += 1,
+        match places.get(&text) {
+            Some(at) => repeated[*at] += 1,
             None => {
+                places.insert(text.clone(), texts.len());
                 texts.push(text);
                 repeated.push(1);
             }
@@ -469,6 +472,17 @@ fn stats(path: &Path, picture: &Picture, write_seconds: f64, total_seconds: f64)
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn equal_notes_are_printed_once_and_many_are_cut() {
+        let of = |n: usize| Note::Data(format!("note {n}"));
+        let twice = [of(1), of(2), of(1)];
+        assert_eq!(notes(twice.iter()), ["note 1 (2 times)", "note 2"]);
+        let many: Vec<Note> = (0..300_000).map(of).collect();
+        let printed = notes(many.iter());
+        assert_eq!(printed.len(), 41);
+        assert_eq!(printed[40], "299960 more notes are left out");
+    }
 
     #[test]
     fn keys_without_effect_for_one_reason_share_a_note() {

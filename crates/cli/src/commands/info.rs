@@ -46,8 +46,9 @@ pub fn run(flags: &InfoFlags, quiet: bool) -> Result<()> {
         && crate::flags::is_picture(picture)
         && let Ok(Some(_)) = strahl::Recipe::of_file(picture)
     {
-        let note = format!("the picture carries a scene: `strahl scene show {name}` prints it");
-        content.notes.push(note);
+        content
+            .notes
+            .push("the picture carries a scene, which `strahl scene show` prints".to_owned());
     }
     if flags.json {
         let json = serde_json::to_string_pretty(&as_json(&name, &content))?;
